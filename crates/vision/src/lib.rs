@@ -1,1 +1,32 @@
-//! To be written.
+//! Ellipse detection by a Randomized Hough Transform with result clustering, after C. Başca, M. Taloş and R. Brad,
+//! "Humanoid robot with vision recognition control system" (section 3.1).
+
+// Coordinates, counts and grey values change their type often and deliberately; where a cast can lose something, the
+// line beside it says why it does not.
+#![allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
+
+pub mod cluster;
+pub mod detect;
+#[cfg(feature = "image")]
+pub mod draw;
+pub mod edge;
+pub mod ellipse;
+pub mod filter;
+pub mod gradient;
+mod grid;
+pub mod hough;
+pub mod image;
+#[cfg(feature = "image")]
+pub mod io;
+pub mod noise;
+pub mod options;
+pub mod threshold;
+mod vote;
+
+pub use detect::{DetectedEllipse, Detection, Detector, Limit, StageCost, Stages, Statistics};
+pub use edge::EdgePoint;
+pub use ellipse::Ellipse;
+pub use image::{ColorView, GrayImage, GrayView, ImageError, PixelLayout};
+#[cfg(feature = "image")]
+pub use io::{Picture, PictureError};
+pub use options::{ClusterOptions, FilterOptions, HoughOptions, Options, OptionsError, Preset};

@@ -52,11 +52,11 @@ impl Ellipse {
         let (center_x, center_y) = (normal[(0, 2)], normal[(1, 2)]);
         // The squared distance of the tangents from the centre is nᵀ S n for a unit normal n, so the
         // eigenvalues of S are the squared semi-axes.
-        let s_xx = center_x * center_x - normal[(0, 0)];
-        let s_yy = center_y * center_y - normal[(1, 1)];
-        let s_xy = center_x * center_y - normal[(0, 1)];
-        let mean = 0.5 * (s_xx + s_yy);
-        let spread = (0.5 * (s_xx - s_yy)).hypot(s_xy);
+        let along_x = center_x * center_x - normal[(0, 0)];
+        let along_y = center_y * center_y - normal[(1, 1)];
+        let mixed = center_x * center_y - normal[(0, 1)];
+        let mean = 0.5 * (along_x + along_y);
+        let spread = (0.5 * (along_x - along_y)).hypot(mixed);
         let semi_minor = (mean - spread).sqrt();
         let semi_major = (mean + spread).sqrt();
         let usable = semi_minor > THINNEST_SEMI_AXIS_PX
@@ -68,7 +68,7 @@ impl Ellipse {
             center_y,
             semi_major,
             semi_minor,
-            theta: 0.5 * (2.0 * s_xy).atan2(s_xx - s_yy),
+            theta: 0.5 * (2.0 * mixed).atan2(along_x - along_y),
         })
     }
 
@@ -77,10 +77,20 @@ impl Ellipse {
         let (sin, cos) = self.theta.sin_cos();
         let (major, minor) = (self.semi_major.powi(2), self.semi_minor.powi(2));
         let (x, y) = (self.center_x, self.center_y);
-        let s_xx = major * cos * cos + minor * sin * sin;
-        let s_yy = major * sin * sin + minor * cos * cos;
-        let s_xy = (major - minor) * sin * cos;
-        Matrix3::new(x * x - s_xx, x * y - s_xy, x, x * y - s_xy, y * y - s_yy, y, x, y, 1.0)
+        let along_x = major * cos * cos + minor * sin * sin;
+        let along_y = major * sin * sin + minor * cos * cos;
+        let mixed = (major - minor) * sin * cos;
+        Matrix3::new(
+            x * x - along_x,
+            x * y - mixed,
+            x,
+            x * y - mixed,
+            y * y - along_y,
+            y,
+            x,
+            y,
+            1.0,
+        )
     }
 
     /// The contour point (x, y) at the eccentric angle `angle_rad`, counted from the major axis towards +y.

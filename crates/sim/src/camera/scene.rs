@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::pose::CameraPose;
-use super::shape::{Face, Shape};
+use super::shape::{Bounds, Face, Shape};
 use super::{Intrinsics, truth};
 use crate::geometry::Ellipse;
 use crate::world::{World, WorldDescription};
@@ -133,24 +133,60 @@ pub(super) fn shapes_of(world: &World) -> impl Iterator<Item = (u16, Shape<'_>, 
 fn bounds_of(shape: &Shape<'_>, intrinsics: &Intrinsics, pose: &CameraPose) -> Option<PixelBox> {
     /// Room for the samples of a pixel around its centre, and for rounding.
     const MARGIN_PX: f64 = 1.0;
-    let Some((center, radius)) = shape.bounding_sphere() else { return Some(WHOLE_PICTURE) };
-    let center = pose.to_camera(&center);
-    if center.z + radius <= 0.0 {
-        return None;
-    }
-    let Some(ellipse) = truth::project_sphere(intrinsics, &center, radius) else {
-        return Some(WHOLE_PICTURE);
+    let bounds = match shape.bounds() {
+        Bounds::None => return Some(WHOLE_PICTURE),
+        Bounds::Sphere(center, radius) => {
+            let center = pose.to_camera(&center);
+            if center.z + radius <= 0.0 {
+                return None;
+            }
+            let Some(ellipse) = truth::project_sphere(intrinsics, &center, radius) else {
+                return Some(WHOLE_PICTURE);
+            };
+            box_of_ellipse(&ellipse)
+        }
+        Bounds::Corners(corners) => {
+            box_of_corners(&corners.map(|corner| pose.to_camera(&corner)), intrinsics)?
+        }
     };
-    let Ellipse { center_x, center_y, semi_major, semi_minor, theta } = ellipse;
-    let half_x = (semi_major * theta.cos()).hypot(semi_minor * theta.sin()) + MARGIN_PX;
-    let half_y = (semi_major * theta.sin()).hypot(semi_minor * theta.cos()) + MARGIN_PX;
-    let bounds = PixelBox {
+    let PixelBox { x: (left, right), y: (top, bottom) } = bounds;
+    let beside = right < -MARGIN_PX
+        || bottom < -MARGIN_PX
+        || left > f64::from(intrinsics.width) + MARGIN_PX
+        || top > f64::from(intrinsics.height) + MARGIN_PX;
+    (!beside).then_some(PixelBox {
+        x: (left - MARGIN_PX, right + MARGIN_PX),
+        y: (top - MARGIN_PX, bottom + MARGIN_PX),
+    })
+}
+
+fn box_of_ellipse(ellipse: &Ellipse) -> PixelBox {
+    let Ellipse { center_x, center_y, semi_major, semi_minor, theta } = *ellipse;
+    let (sin, cos) = theta.sin_cos();
+    let half_x = (semi_major * cos).hypot(semi_minor * sin);
+    let half_y = (semi_major * sin).hypot(semi_minor * cos);
+    PixelBox {
         x: (center_x - half_x, center_x + half_x),
         y: (center_y - half_y, center_y + half_y),
-    };
-    let beside = bounds.x.1 < -0.5
-        || bounds.y.1 < -0.5
-        || bounds.x.0 > f64::from(intrinsics.width)
-        || bounds.y.0 > f64::from(intrinsics.height);
-    (!beside).then_some(bounds)
+    }
+}
+
+/// The picture of the part of a box that is in front of the camera; `None` where there is none.
+fn box_of_corners(corners: &[Vector3<f64>; 8], intrinsics: &Intrinsics) -> Option<PixelBox> {
+    /// What is nearer than this (metres of depth) is cut off; nothing that near is rendered.
+    const CUT_M: f64 = 5e-5;
+    let edges = (0..8_usize)
+        .flat_map(|corner| [1, 2, 4].map(|bit| (corner, corner | bit)))
+        .filter(|(corner, other)| corner != other)
+        .filter_map(|(corner, other)| Some((corners.get(corner)?, corners.get(other)?)));
+    let ends = edges.flat_map(|(one, other)| {
+        let crossing = (one.z < CUT_M) != (other.z < CUT_M);
+        let cut = crossing.then(|| one.lerp(other, (CUT_M - one.z) / (other.z - one.z)));
+        [Some(*one), Some(*other), cut].into_iter().flatten().filter(|end| end.z >= 0.99 * CUT_M)
+    });
+    ends.filter_map(|end| intrinsics.project(&end)).fold(None, |bounds, (x, y)| {
+        let PixelBox { x: (left, right), y: (top, bottom) } =
+            bounds.unwrap_or(PixelBox { x: (x, x), y: (y, y) });
+        Some(PixelBox { x: (left.min(x), right.max(x)), y: (top.min(y), bottom.max(y)) })
+    })
 }

@@ -14,7 +14,7 @@ use crate::world::{Colour, Material};
 /// Half the angle under which the lamp is seen, as a tangent: the wider, the softer the shadows.
 const LAMP_SPREAD: f64 = 0.22;
 /// Beyond this distance (metres) the floor begins to fade into the backdrop, and has faded at the second.
-const FADE_M: (f64, f64) = (3.0, 9.0);
+const FADE_M: (f64, f64) = (4.0, 10.0);
 /// How steeply the rim and the bowl of a plate rise, for its shading only.
 const PLATE_SLOPE: f64 = 0.30;
 
@@ -83,7 +83,14 @@ impl<'s, 'a> Shader<'s, 'a> {
     }
 
     /// Colour (0 to 255 and a little beyond) of what is seen along `direction`.
-    pub(super) fn colour(&self, direction: &Vector3<f64>, hit: Option<Hit<'_, 'a>>) -> Light {
+    pub(super) fn colour(&self, direction: &Vector3<f64>, hit: Option<Hit<'_, 'a>>) -> [f32; 3] {
+        let light = self.light(direction, hit);
+        // To the precision of a picture.
+        #[allow(clippy::cast_possible_truncation)]
+        [light.x as f32, light.y as f32, light.z as f32]
+    }
+
+    fn light(&self, direction: &Vector3<f64>, hit: Option<Hit<'_, 'a>>) -> Light {
         let backdrop = self.backdrop(direction);
         let Some(hit) = hit else { return backdrop };
         let position = self.scene.pose.position + hit.depth * direction;
@@ -225,12 +232,18 @@ impl<'s, 'a> Shader<'s, 'a> {
 
     /// How much of the sky is left close to the foot of the table and the walls.
     fn beside_boxes(&self, point: &Point) -> f64 {
-        const REACH_M: f64 = 0.05;
+        const REACH_M: f64 = 0.16;
+        /// What lies on top of a box, within rounding, is not beside it.
+        const TOP_M: f64 = 1e-6;
+        if point.normal.z < 0.5 {
+            return 1.0;
+        }
         let place = [point.position.x, point.position.y];
         let mut left = 1.0;
         for solid in self.scene.world.solids() {
-            if point.position.z < solid.height_m() && point.normal.z > 0.5 {
-                left *= 1.0 - 0.5 * (-solid.distance_m(place).max(0.0) / REACH_M).exp();
+            if point.position.z < solid.height_m() - TOP_M {
+                let near = (1.0 - solid.distance_m(place).max(0.0) / REACH_M).max(0.0);
+                left *= 1.0 - 0.5 * near * near * near;
             }
         }
         left

@@ -44,6 +44,16 @@ pub(super) enum Shape<'a> {
     Cup { base: Vector3<f64>, radius: f64, inner_radius: f64, height: f64 },
 }
 
+/// What a shape cannot reach beyond.
+pub(super) enum Bounds {
+    /// It reaches everywhere.
+    None,
+    /// A sphere of this middle and radius.
+    Sphere(Vector3<f64>, f64),
+    /// A box of these corners, those of one edge differing in one bit of their number.
+    Corners([Vector3<f64>; 8]),
+}
+
 /// Height of a cup's inner floor above its base, as a share of its height.
 pub(super) const CUP_FLOOR_SHARE: f64 = 0.08;
 
@@ -86,15 +96,25 @@ impl Shape<'_> {
         }
     }
 
-    /// Middle and radius of a sphere around the shape, or `None` for what may fill the picture.
-    pub(super) fn bounding_sphere(&self) -> Option<(Vector3<f64>, f64)> {
+    /// Something simple around the shape.
+    pub(super) fn bounds(&self) -> Bounds {
         match *self {
-            Self::Floor | Self::Box(_) => None,
+            Self::Floor => Bounds::None,
+            Self::Box(solid) => {
+                let [half_length, half_width] = solid.half_extent_m();
+                Bounds::Corners([0, 1, 2, 3, 4, 5, 6, 7].map(|corner| {
+                    let along = if corner & 1 == 0 { -half_length } else { half_length };
+                    let across = if corner & 2 == 0 { -half_width } else { half_width };
+                    let [x, y] = solid.to_world_point([along, across]);
+                    Vector3::new(x, y, if corner & 4 == 0 { 0.0 } else { solid.height_m() })
+                }))
+            }
             Self::Ball { center, radius } | Self::Plate { center, radius, .. } => {
-                Some((center, radius))
+                Bounds::Sphere(center, radius)
             }
             Self::Cup { base, radius, height, .. } => {
-                Some((base + Vector3::new(0.0, 0.0, 0.5 * height), radius.hypot(0.5 * height)))
+                let middle = base + Vector3::new(0.0, 0.0, 0.5 * height);
+                Bounds::Sphere(middle, radius.hypot(0.5 * height))
             }
         }
     }

@@ -14,14 +14,21 @@ fn lattice(seed: u64, x: i64, y: i64) -> f64 {
     f64::from(upper) / f64::from(u32::MAX)
 }
 
-/// Smooth noise in -1..1 with features of about one unit.
-fn smooth_noise(seed: u64, x: f64, y: f64) -> f64 {
-    let (floor_x, floor_y) = (x.floor(), y.floor());
+/// The whole number below `value` and what is left of it, 0 to 1.
+fn split(value: f64) -> (i64, f64) {
     // Coordinates of a world are far below the range of an i64; anything else saturates.
     #[allow(clippy::cast_possible_truncation)]
-    let (column, row) = (floor_x as i64, floor_y as i64);
+    let towards_zero = value as i64;
+    #[allow(clippy::cast_precision_loss)] // small whole numbers
+    let rest = value - towards_zero as f64;
+    if rest < 0.0 { (towards_zero.saturating_sub(1), rest + 1.0) } else { (towards_zero, rest) }
+}
+
+/// Smooth noise in -1..1 with features of about one unit.
+fn smooth_noise(seed: u64, x: f64, y: f64) -> f64 {
     let ease = |t: f64| t * t * (3.0 - 2.0 * t);
-    let (across, down) = (ease(x - floor_x), ease(y - floor_y));
+    let ((column, x), (row, y)) = (split(x), split(y));
+    let (across, down) = (ease(x), ease(y));
     let at = |dx: i64, dy: i64| lattice(seed, column.saturating_add(dx), row.saturating_add(dy));
     let upper = at(0, 0) + across * (at(1, 0) - at(0, 0));
     let lower = at(0, 1) + across * (at(1, 1) - at(0, 1));
@@ -44,24 +51,24 @@ pub(super) fn wood(
     board_width_m: f64,
     footprint_m: f64,
 ) -> f64 {
-    let position = across_m / board_width_m;
-    let board = position.floor();
-    #[allow(clippy::cast_possible_truncation)] // a board's number, far below the range
-    let number = board as i64;
-    let board_seed = scramble(seed ^ number.cast_unsigned());
+    let (board, share) = split(across_m / board_width_m);
+    let board_seed = scramble(seed ^ board.cast_unsigned());
     let tone = 0.10 * (lattice(board_seed, 0, 0) - 0.5);
-    // Long wavy streaks, finer fibres on them, and the slow change of tone along a board.
-    let wave = 0.012 * smooth_noise(board_seed, 2.2 * along_m, 5.0 * across_m);
-    let streaks = |frequency: f64, stretch: f64| {
-        left_of(frequency, footprint_m)
-            * smooth_noise(board_seed, along_m * frequency / stretch, (across_m + wave) * frequency)
+    // A slow change along the board, which also bends the long streaks and the finer fibres on them.
+    let slow = smooth_noise(board_seed, 2.0 * along_m, 4.0 * across_m);
+    let streaks = |frequency: f64, stretch: f64| match left_of(frequency, footprint_m) {
+        0.0 => 0.0,
+        left => {
+            let (along, across) = (along_m / stretch, across_m + 0.012 * slow);
+            left * smooth_noise(board_seed, along * frequency, across * frequency)
+        }
     };
     let grain =
         0.055 * streaks(36.0, 22.0) + 0.040 * streaks(110.0, 30.0) + 0.030 * streaks(330.0, 40.0);
-    let slow = 0.035 * smooth_noise(board_seed, 1.7 * along_m, 3.0 * across_m);
     // The joint between two boards: a dark line a millimetre wide, spread over the pixel where that is wider.
-    let to_joint_m = (position - board).min(board + 1.0 - position) * board_width_m;
-    let spread_m = 0.0012_f64.hypot(footprint_m);
-    let joint = 0.34 * (0.0012 / spread_m) * (-(to_joint_m / spread_m).powi(2)).exp();
-    (1.0 + tone + grain + slow) * (1.0 - joint)
+    let to_joint_m = share.min(1.0 - share) * board_width_m;
+    let spread_m = 0.0012 + footprint_m;
+    let near = (1.0 - to_joint_m / (2.0 * spread_m)).max(0.0);
+    let joint = 0.34 * (0.0012 / spread_m) * near * near;
+    (1.0 + tone + grain + 0.035 * slow) * (1.0 - joint)
 }

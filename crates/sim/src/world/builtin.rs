@@ -13,12 +13,15 @@ const PLASTER: Colour = [226, 219, 205];
 const BACKDROP: Colour = [214, 219, 222];
 const PORCELAIN: Colour = [244, 242, 236];
 
+/// Low enough for the robot, 0.34 m high, to look down on.
+const TABLE_HEIGHT_M: f64 = 0.06;
+
 /// Names that [`World::named`] knows.
 const NAMES: [&str; 3] = ["demo", "empty", "wall"];
 
 /// A lamp high behind the robot's left shoulder.
 fn room_light() -> Light {
-    Light { towards_lamp: [-0.45, 0.55, 1.0], lamp: 0.62, sky: 0.34, ambient: 0.16 }
+    Light { towards_lamp: [-0.8, 0.5, 1.0], lamp: 0.64, sky: 0.34, ambient: 0.18 }
 }
 
 fn bare_floor(texture_seed: u64) -> WorldDescription {
@@ -37,11 +40,22 @@ fn bare_floor(texture_seed: u64) -> WorldDescription {
 
 fn low_table(center_m: [f64; 2], length_m: f64, width_m: f64) -> Table {
     let material = Material::Wood { colour: OAK, board_width_m: 0.16 };
-    Table { name: "table".to_owned(), center_m, length_m, width_m, height_m: 0.10, material }
+    Table {
+        name: "table".to_owned(),
+        center_m,
+        length_m,
+        width_m,
+        height_m: TABLE_HEIGHT_M,
+        material,
+    }
 }
 
 fn wall(name: &str, from_m: [f64; 2], to_m: [f64; 2]) -> Wall {
-    Wall { name: name.to_owned(), from_m, to_m, thickness_m: 0.06, height_m: 0.9, colour: PLASTER }
+    Wall { name: name.to_owned(), from_m, to_m, thickness_m: 0.06, height_m: 2.4, colour: PLASTER }
+}
+
+fn skirting(name: &str, from_m: [f64; 2], to_m: [f64; 2]) -> Wall {
+    Wall { thickness_m: 0.02, height_m: 0.07, colour: PORCELAIN, ..wall(name, from_m, to_m) }
 }
 
 fn plate(center_m: [f64; 3], name: String, radius_m: f64, rim_colour: Colour) -> Plate {
@@ -60,8 +74,8 @@ fn cup(base_m: [f64; 3], name: String, radius_m: f64, colour: Colour) -> Cup {
         name,
         base_m,
         radius_m,
-        inner_radius_m: 0.88 * radius_m,
-        height_m: 2.1 * radius_m,
+        inner_radius_m: 0.84 * radius_m,
+        height_m: 1.6 * radius_m,
         colour,
         rim_colour: [62, 44, 36],
     }
@@ -97,7 +111,7 @@ impl World {
         built_in(WorldDescription { walls, ..bare_floor(2) })
     }
 
-    /// A low table with a ball, a plate and a cup on it, and a wall behind.
+    /// A low table with a ball, a plate and a cup on it, and walls behind.
     ///
     /// The table's edge is 0.52 m ahead of the start. The ball lies to the right, out of sight while the head looks
     /// straight ahead, and can be looked at from the start as well as anywhere on the first 0.4 m of the way.
@@ -118,8 +132,13 @@ impl World {
                 0.115,
                 [58, 98, 150],
             )],
-            cups: vec![cup([0.90, -0.70, top], "cup".to_owned(), 0.045, [236, 226, 204])],
-            walls: vec![wall("wall ahead", [2.2, -3.4], [2.2, 2.6])],
+            cups: vec![cup([0.93, -0.69, top], "cup".to_owned(), 0.050, [236, 226, 204])],
+            walls: vec![
+                wall("wall ahead", [2.2, -2.4], [2.2, 2.6]),
+                skirting("skirting ahead", [2.16, -2.36], [2.16, 2.6]),
+                wall("wall on the right", [2.2, -2.4], [-1.0, -2.4]),
+                skirting("skirting on the right", [2.16, -2.36], [-1.0, -2.36]),
+            ],
             table: Some(table),
             ..description
         })

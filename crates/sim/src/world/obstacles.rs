@@ -100,12 +100,20 @@ impl Solid {
         self.to_local_vector([x - self.center[0], y - self.center[1]])
     }
 
+    /// A point in the box's own axes, seen from its middle, as a world point (x, y).
+    pub(crate) fn to_world_point(&self, point: [f64; 2]) -> [f64; 2] {
+        let [x, y] = self.to_world_vector(point);
+        [self.center[0] + x, self.center[1] + y]
+    }
+
     /// Distance in metres of a point (x, y) from the footprint; zero or less inside it.
     pub fn distance_m(&self, point_m: [f64; 2]) -> f64 {
         let [along, across] = self.to_local_point(point_m);
         let (over_length, over_width) =
             (along.abs() - self.half_length, across.abs() - self.half_width);
-        over_length.max(0.0).hypot(over_width.max(0.0)) + over_length.max(over_width).min(0.0)
+        let (aside_length, aside_width) = (over_length.max(0.0), over_width.max(0.0));
+        let outside = (aside_length * aside_length + aside_width * aside_width).sqrt();
+        outside + over_length.max(over_width).min(0.0)
     }
 
     /// Distance along `direction` (unit, own axes) at which a circle of `radius` from `start` (own axes) first

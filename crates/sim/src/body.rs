@@ -58,8 +58,6 @@ impl MotorPins {
 /// How a body is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyConfig {
-    /// Seed of the deviations of this one body.
-    pub seed: u64,
     /// How far true travel times lie from the nominal ones at most, as a fraction, 0 to 0.2.
     pub travel_deviation: f64,
     /// How fast the batteries drain.
@@ -69,14 +67,9 @@ pub struct BodyConfig {
 }
 
 impl Default for BodyConfig {
-    /// Seed 1, 3 percent, default drain, at the world's origin.
+    /// 3 percent, default drain, at the world's origin.
     fn default() -> Self {
-        Self {
-            seed: 1,
-            travel_deviation: 0.03,
-            drain: Drain::default(),
-            start: RobotPose::default(),
-        }
+        Self { travel_deviation: 0.03, drain: Drain::default(), start: RobotPose::default() }
     }
 }
 
@@ -101,9 +94,9 @@ pub struct Body {
 }
 
 impl Body {
-    /// A body that stands in `world`, with deviations drawn from its seed.
-    pub fn new(config: BodyConfig, world: &World) -> Self {
-        let mut random = Pcg64::seed_from_u64(config.seed);
+    /// A body that stands in `world`, with deviations drawn from `seed`.
+    pub fn new(config: BodyConfig, seed: u64, world: &World) -> Self {
+        let mut random = Pcg64::seed_from_u64(seed);
         let deviation = config.travel_deviation.clamp(0.0, 0.2);
         let joints = Joint::ALL.map(|joint| {
             let position = AT_REST[usize::from(joint.index())];

@@ -17,7 +17,7 @@ pub const fn nominal_travel_ms(joint: Joint) -> u16 {
 }
 
 /// Half the width of the window in which a mid-arm switch is closed, as a fraction of full travel.
-pub const SWITCH_HALF_WINDOW: f64 = 0.02;
+pub const SWITCH_HALF_WINDOW: f64 = 1.0 / 32.0;
 
 /// What a motor's two direction pins ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

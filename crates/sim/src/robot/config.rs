@@ -1,0 +1,77 @@
+//! How a virtual robot is made.
+
+use crate::body::BodyConfig;
+use crate::camera::{CameraError, CameraSettings};
+use crate::line::BAUD;
+use crate::world::World;
+
+/// Clocks the firmware may be built for, in MHz.
+const CLOCKS_MHZ: [u8; 4] = [4, 10, 20, 40];
+
+/// Everything that makes one virtual robot differ from another.
+#[derive(Debug, Clone)]
+pub struct VirtualRobotConfig {
+    /// Seed of everything random: deviations of the body, damage on the line, noise of the camera.
+    pub seed: u64,
+    /// Where it stands.
+    pub world: World,
+    /// Speed of the line in bit/s, within [`BAUD`].
+    pub baud: u32,
+    /// Clock of both controllers in MHz: 4, 10, 20 or 40.
+    pub clock_mhz: u8,
+    /// Size, blur and noise of pictures. Its own seed is combined with `seed`.
+    pub camera: CameraSettings,
+    /// The body and where it starts.
+    pub body: BodyConfig,
+}
+
+impl Default for VirtualRobotConfig {
+    /// Seed 1, the demo world, 57600 baud, 40 MHz, a webcam's pictures.
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            world: World::demo(),
+            baud: 57_600,
+            clock_mhz: 40,
+            camera: CameraSettings::default(),
+            body: BodyConfig::default(),
+        }
+    }
+}
+
+impl VirtualRobotConfig {
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        if !BAUD.contains(&self.baud) {
+            return Err(ConfigError::Baud { baud: self.baud });
+        }
+        if !CLOCKS_MHZ.contains(&self.clock_mhz) {
+            return Err(ConfigError::Clock { clock_mhz: self.clock_mhz });
+        }
+        Ok(())
+    }
+
+    pub(super) fn camera_settings(&self) -> CameraSettings {
+        CameraSettings { seed: self.camera.seed ^ self.seed.rotate_left(32), ..self.camera.clone() }
+    }
+}
+
+/// Why no robot was made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// A line speed out of range.
+    #[error("a line of {baud} baud is not simulated, allowed are {} to {}", BAUD.start(), BAUD.end())]
+    Baud {
+        /// What was asked for, in bit/s.
+        baud: u32,
+    },
+    /// A clock the firmware is not built for.
+    #[error("a clock of {clock_mhz} MHz is not simulated, allowed are 4, 10, 20 and 40")]
+    Clock {
+        /// What was asked for, in MHz.
+        clock_mhz: u8,
+    },
+    /// A camera setting out of range.
+    #[error("the camera: {0}")]
+    Camera(#[from] CameraError),
+}

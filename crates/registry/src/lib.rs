@@ -1,1 +1,26 @@
-//! To be written.
+//! RoboRegistry: the motion primitives and actions of the rsapien robot in SQLite.
+
+mod action;
+mod check;
+mod compile;
+mod error;
+mod form;
+mod graph;
+mod problem;
+mod store;
+mod suggest;
+mod text;
+
+pub use action::{
+    Action, ActionDraft, ActionStep, ActionSummary, DESCRIPTION_LENGTH_MAX, NAME_LENGTH_MAX,
+    STEPS_MAX, TAGS_MAX, TIMES_MAX, VersionSummary,
+};
+pub use check::check_draft;
+pub use compile::{
+    COMPILED_STEPS_MAX, CompileOptions, CompiledAction, DURATION_MS_MAX, NESTING_MAX, SPEED_MAX,
+    SPEED_MIN, StepSource, compile,
+};
+pub use error::RegistryError;
+pub use problem::{Finding, Findings, Problem};
+pub use store::{BUSY_TIMEOUT_MS, ImportPolicy, ImportReport, Registry};
+pub use text::{read_toml, write_toml};

@@ -17,7 +17,7 @@ use rsapien_sim::world::World;
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let out = arguments.next().ok_or("name the file to write first, such as out.ppm")?;
-    let (mut world_name, mut pan, mut tilt) = ("demo".to_owned(), 46.0_f64, -17.0_f64);
+    let (mut world_name, mut pan, mut tilt) = ("demo".to_owned(), 58.0_f64, -18.0_f64);
     let mut robot = RobotPose { x_m: 0.3, ..RobotPose::default() };
     let (mut width, mut height, mut repeat) = (320, 240, 1_u32);
     let mut settings = CameraSettings::default();

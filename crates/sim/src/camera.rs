@@ -18,6 +18,7 @@ mod pose;
 mod render;
 mod scene;
 mod shade;
+mod shadow;
 mod shape;
 #[cfg(test)]
 mod tests;

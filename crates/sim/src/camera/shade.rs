@@ -6,13 +6,12 @@
 
 use nalgebra::Vector3;
 
-use super::scene::{Hit, Paint, Scene, shapes_of};
+use super::scene::{Hit, Paint, Scene};
+use super::shadow::{Point, Shadows};
 use super::shape::{CUP_FLOOR_SHARE, Face, Shape};
 use super::texture::wood;
 use crate::world::{Colour, Material};
 
-/// Half the angle under which the lamp is seen, as a tangent: the wider, the softer the shadows.
-const LAMP_SPREAD: f64 = 0.22;
 /// Beyond this distance (metres) the floor begins to fade into the backdrop, and has faded at the second.
 const FADE_M: (f64, f64) = (4.0, 10.0);
 /// How steeply the rim and the bowl of a plate rise, for its shading only.
@@ -20,66 +19,17 @@ const PLATE_SLOPE: f64 = 0.30;
 
 type Light = Vector3<f64>;
 
-/// A ball, or a part of a cup, that takes light from others.
-struct Occluder {
-    center: Vector3<f64>,
-    radius: f64,
-    /// The surface it stands for, which does not shade itself.
-    owner: u16,
-    /// Whether it dims the sky too; one for each thing does.
-    dims_sky: bool,
-}
-
-/// A plate above what it lies on.
-struct Disc {
-    center: Vector3<f64>,
-    radius: f64,
-    owner: u16,
-}
-
 /// A scene with its light, ready to be asked for colours.
 pub(super) struct Shader<'s, 'a> {
     scene: &'s Scene<'a>,
     towards_lamp: Vector3<f64>,
-    occluders: Vec<Occluder>,
-    discs: Vec<Disc>,
-}
-
-/// What the light falls on.
-struct Point {
-    position: Vector3<f64>,
-    normal: Vector3<f64>,
-    owner: u16,
+    shadows: Shadows<'a>,
 }
 
 impl<'s, 'a> Shader<'s, 'a> {
     pub(super) fn new(scene: &'s Scene<'a>) -> Self {
-        let mut occluders = Vec::new();
-        let mut discs = Vec::new();
-        // What is out of the picture may still cast its shadow into it.
-        for (owner, shape, _) in shapes_of(scene.world) {
-            match shape {
-                Shape::Ball { center, radius } => {
-                    occluders.push(Occluder { center, radius, owner, dims_sky: true });
-                }
-                Shape::Cup { base, radius, height, .. } => {
-                    let heights =
-                        [radius.min(0.5 * height), 0.5 * height, height - radius.min(0.5 * height)];
-                    occluders.extend(heights.into_iter().enumerate().map(|(place, above)| {
-                        Occluder {
-                            center: base + Vector3::new(0.0, 0.0, above),
-                            radius,
-                            owner,
-                            dims_sky: place == 0,
-                        }
-                    }));
-                }
-                Shape::Plate { center, radius, .. } => discs.push(Disc { center, radius, owner }),
-                Shape::Floor | Shape::Box(_) => {}
-            }
-        }
         let towards_lamp = Vector3::from(scene.description.light.towards_lamp).normalize();
-        Self { scene, towards_lamp, occluders, discs }
+        Self { scene, towards_lamp, shadows: Shadows::new(scene.world, towards_lamp) }
     }
 
     /// Colour (0 to 255 and a little beyond) of what is seen along `direction`.
@@ -188,36 +138,7 @@ impl<'s, 'a> Shader<'s, 'a> {
     fn brightness(&self, point: &Point, hit: &Hit<'_, 'a>) -> f64 {
         let settings = &self.scene.description.light;
         let incidence = point.normal.dot(&self.towards_lamp).max(0.0);
-        let (mut lamp_left, mut sky_left): (f64, f64) = (1.0, 1.0);
-        for occluder in self.occluders.iter().filter(|occluder| occluder.owner != point.owner) {
-            let to_center = occluder.center - point.position;
-            let squared = to_center.norm_squared();
-            let along = to_center.dot(&self.towards_lamp);
-            if along > 0.0 {
-                let aside = (squared - along * along).max(0.0).sqrt();
-                lamp_left = lamp_left
-                    .min(ease(0.5 + 0.5 * (aside - occluder.radius) / (LAMP_SPREAD * along)));
-            }
-            if occluder.dims_sky {
-                let facing = point.normal.dot(&to_center).max(0.0) / squared.sqrt();
-                sky_left *= 1.0 - (facing * occluder.radius.powi(2) / squared).min(0.9);
-            }
-        }
-        for disc in self.discs.iter().filter(|disc| disc.owner != point.owner) {
-            let below = disc.center.z - point.position.z;
-            if below > 0.0 {
-                let crossing = point.position + self.towards_lamp * (below / self.towards_lamp.z);
-                let aside = (crossing - disc.center).xy().norm();
-                lamp_left = lamp_left
-                    .min(ease(0.5 + 0.5 * (aside - disc.radius) / (LAMP_SPREAD * below + 0.002)));
-                let above = (point.position - disc.center).xy().norm();
-                sky_left *= 1.0
-                    - 0.6
-                        * ease(0.5 - 0.5 * (above - disc.radius) / (below + 0.002))
-                        * (1.0 - below).max(0.0);
-            }
-        }
-        sky_left *= self.beside_boxes(point);
+        let (lamp_left, sky_left) = self.shadows.light_left(point);
         let depth_in_cup = match (hit.surface.paint, hit.face) {
             (Paint::Cup(cup), Face::Inside | Face::InnerFloor) => {
                 1.0 - (point.position.z - cup.base_m[2]) / cup.height_m
@@ -228,25 +149,6 @@ impl<'s, 'a> Shader<'s, 'a> {
         let in_cup = 1.0 - 0.75 * depth_in_cup / (1.0 - CUP_FLOOR_SHARE);
         let sky = sky_left * (0.62 + 0.38 * point.normal.z);
         settings.ambient + in_cup * (settings.sky * sky + settings.lamp * incidence * lamp_left)
-    }
-
-    /// How much of the sky is left close to the foot of the table and the walls.
-    fn beside_boxes(&self, point: &Point) -> f64 {
-        const REACH_M: f64 = 0.16;
-        /// What lies on top of a box, within rounding, is not beside it.
-        const TOP_M: f64 = 1e-6;
-        if point.normal.z < 0.5 {
-            return 1.0;
-        }
-        let place = [point.position.x, point.position.y];
-        let mut left = 1.0;
-        for solid in self.scene.world.solids() {
-            if point.position.z < solid.height_m() - TOP_M {
-                let near = (1.0 - solid.distance_m(place).max(0.0) / REACH_M).max(0.0);
-                left *= 1.0 - 0.5 * near * near * near;
-            }
-        }
-        left
     }
 
     /// The lamp's soft reflection on glazed things.
@@ -266,12 +168,6 @@ impl<'s, 'a> Shader<'s, 'a> {
 
 fn light(colour: Colour) -> Light {
     Light::from(colour.map(f64::from))
-}
-
-/// From 0 to 1 with level ends.
-fn ease(share: f64) -> f64 {
-    let share = share.clamp(0.0, 1.0);
-    share * share * (3.0 - 2.0 * share)
 }
 
 /// The upward normal of a surface that rises along `outward`.

@@ -203,9 +203,9 @@ fn the_demo_hides_its_ball_from_the_first_look_and_shows_it_to_the_second() {
         ground_truth(&world, &intrinsics, pose).into_iter().find(|ellipse| ellipse.object == "ball")
     };
     assert_eq!(ball_seen_by(&straight_ahead()), None);
-    for x_m in [0.0, 0.1, 0.2, 0.3, 0.4] {
+    for x_m in [0.0, 0.1, 0.2, 0.3, 0.4, 0.5] {
         let robot = RobotPose { x_m, ..RobotPose::default() };
-        let way = world.blocked_motion([0.0, 0.0], [x_m, 0.0], 0.10);
+        let way = world.blocked_motion([0.0, 0.0], [x_m, 0.0], 0.16);
         assert_eq!(way.blocked_by, None, "{x_m} m ahead");
         let aim =
             HeadAngles::aim_at(&robot, world.description().balls[0].center_m).expect("in reach");

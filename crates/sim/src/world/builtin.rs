@@ -105,42 +105,41 @@ impl World {
         built_in(bare_floor(1))
     }
 
-    /// The floor and one wall across the robot's way, its near face half a metre ahead of the start.
+    /// The floor and one wall, 0.22 m high, across the robot's way, its near face half a metre ahead of the start.
     pub fn wall() -> Self {
-        let walls = vec![wall("wall", [0.53, -1.0], [0.53, 1.0])];
+        let low = wall("wall", [0.53, -1.0], [0.53, 1.0]);
+        let walls = vec![Wall { height_m: 0.22, ..low }];
         built_in(WorldDescription { walls, ..bare_floor(2) })
     }
 
-    /// A low table with a ball, a plate and a cup on it, and walls behind.
+    /// A low table along the right of the way with a ball, a plate and a cup on it, and walls around.
     ///
-    /// The table's edge is 0.52 m ahead of the start. The ball lies to the right, out of sight while the head looks
-    /// straight ahead, and can be looked at from the start as well as anywhere on the first 0.4 m of the way.
+    /// The way ahead is free for 1.3 m. The ball is out of sight while the head looks straight ahead from the start,
+    /// and can be looked at from the start as well as anywhere on the first half metre of the way.
     pub fn demo() -> Self {
-        let description = bare_floor(7);
-        let table = low_table([0.97, -0.20], 0.90, 1.70);
+        let table = low_table([0.50, -0.84], 1.70, 1.20);
         let top = table.height_m;
         built_in(WorldDescription {
             balls: vec![Ball {
                 name: "ball".to_owned(),
-                center_m: [0.67, -0.50, top + 0.045],
-                radius_m: 0.045,
+                center_m: [0.56, -0.46, top + 0.08],
+                radius_m: 0.08,
                 colour: [196, 34, 38],
             }],
             plates: vec![plate(
-                [0.92, -0.37, top + 0.012],
+                [0.73, -0.352, top + 0.012],
                 "plate".to_owned(),
-                0.115,
+                0.09,
                 [58, 98, 150],
             )],
-            cups: vec![cup([0.93, -0.69, top], "cup".to_owned(), 0.050, [236, 226, 204])],
+            cups: vec![cup([0.48, -0.80, top], "cup".to_owned(), 0.055, [236, 226, 204])],
             walls: vec![
-                wall("wall ahead", [2.2, -2.4], [2.2, 2.6]),
-                skirting("skirting ahead", [2.16, -2.36], [2.16, 2.6]),
-                wall("wall on the right", [2.2, -2.4], [-1.0, -2.4]),
-                skirting("skirting on the right", [2.16, -2.36], [-1.0, -2.36]),
+                wall("wall ahead", [1.45, -1.6], [1.45, 1.6]),
+                skirting("skirting ahead", [1.41, -1.6], [1.41, 1.6]),
+                wall("wall on the right", [1.45, -1.6], [-1.5, -1.6]),
             ],
             table: Some(table),
-            ..description
+            ..bare_floor(7)
         })
     }
 

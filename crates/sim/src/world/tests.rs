@@ -42,7 +42,7 @@ fn errors_name_the_object_the_value_and_the_way_out() {
 
     let mut inside_out = demo();
     inside_out.cups[0].inner_radius_m = 0.5;
-    assert_eq!(text(inside_out), "cup: the inner radius (m) is 0.5, allowed are 0.001 to 0.05");
+    assert_eq!(text(inside_out), "cup: the inner radius (m) is 0.5, allowed are 0.001 to 0.055");
 
     let mut twice = demo();
     twice.cups[0].name = "ball".to_owned();
@@ -51,7 +51,7 @@ fn errors_name_the_object_the_value_and_the_way_out() {
     let mut crowd = demo();
     let ball = crowd.balls[0].clone();
     crowd.balls = (0..300).map(|index| Ball { name: index.to_string(), ..ball.clone() }).collect();
-    assert_eq!(text(crowd), "the world has 307 objects, allowed are at most 256");
+    assert_eq!(text(crowd), "the world has 306 objects, allowed are at most 256");
 
     let unknown = World::named("moon").expect_err("no such world").to_string();
     assert_eq!(unknown, "there is no built-in world \"moon\", choose one of demo, empty, wall");

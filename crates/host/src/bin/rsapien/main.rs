@@ -1,2 +1,7 @@
-//! x
-fn main() {}
+//! The `rsapien` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ExitCode::from(rsapien::cli::main(std::env::args_os()))
+}

@@ -1,0 +1,101 @@
+//! The `rsapien` command (feature `cli`), as a function, so that the Python wheel carries the same one.
+//!
+//! Each subcommand is a file in `cmd`: a parser whose docs are its help, and `run`. Nothing but this module prints,
+//! ends the process or reads the environment.
+
+mod cmd;
+mod context;
+mod diagnostics;
+mod exit;
+mod output;
+mod registry;
+mod signal;
+
+use std::ffi::OsString;
+use std::io::Write;
+
+use clap::Parser;
+
+use self::context::{Context, GlobalOptions, start_tracing};
+use self::exit::Status;
+
+/// A toy humanoid as a laboratory robot: move it, watch it, see with it, or do all that with a virtual one.
+#[derive(Debug, Parser)]
+#[command(
+    name = "rsapien",
+    version,
+    after_help = EXAMPLES,
+    after_long_help = long_ending(),
+    arg_required_else_help = true,
+    subcommand_required = true,
+    max_term_width = 100
+)]
+struct Arguments {
+    #[command(flatten)]
+    options: GlobalOptions,
+    #[command(subcommand)]
+    command: cmd::Command,
+}
+
+/// The end of `rsapien -h`.
+const EXAMPLES: &str = "\
+First steps:
+  rsapien demo                            the whole system, on the virtual robot
+  rsapien --link virtual play wave        an action on the virtual robot
+  rsapien detect photograph.png           the ellipses in a picture
+  rsapien ports                           which robots there are";
+
+/// The end of `rsapien --help`.
+fn long_ending() -> String {
+    format!("{EXAMPLES}\n\n{}", exit::HELP)
+}
+
+/// Runs the command with these arguments, the program's name first, and gives the exit status.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help that nobody reads to its end is no failure.
+            let _ = error.print();
+            return if error.use_stderr() { Status::Failed.code() } else { Status::Done.code() };
+        }
+    };
+    let verbose = arguments.options.verbose;
+    let context = Context::new(arguments.options);
+    start_tracing(verbose, context.style.color);
+    let mut out = std::io::stdout().lock();
+    let result = arguments.command.run(&context, &mut out).and_then(|status| {
+        out.flush()?;
+        Ok(status)
+    });
+    let status = match result {
+        Ok(status) => status,
+        Err(failure) if failure.is_closed_pipe() => Status::Done,
+        Err(failure) => {
+            let style = context.style;
+            let text = diagnostics::render(&failure, style.error_terminal, style.color);
+            // When even the standard error is gone, the status still tells.
+            let _ = std::io::stderr().write_all(text.as_bytes());
+            failure.exit_status()
+        }
+    };
+    status.code()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_parsers_are_consistent_and_every_command_shows_an_example() {
+        Arguments::command().debug_assert();
+        let mut command = Arguments::command();
+        command.build();
+        for subcommand in command.get_subcommands_mut().filter(|command| command.get_name() != "help") {
+            let name = subcommand.get_name().to_owned();
+            let help = subcommand.render_long_help().to_string();
+            assert!(help.contains(&format!("  rsapien {name}")), "{name} shows no example:\n{help}");
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! `rsapien actions`: the actions in `RoboRegistry`.
+
+mod add;
+mod check;
+mod edit;
+mod list;
+mod remove;
+mod show;
+mod text;
+mod transfer;
+
+use std::io::Write;
+
+use clap::{Args, Subcommand};
+
+use crate::cli::context::Context;
+use crate::cli::diagnostics::Result;
+use crate::cli::exit::Status;
+use crate::cli::registry::RegistryOptions;
+
+/// List, write and exchange actions
+///
+/// An action is a row of steps: motion primitives that run together for a time, pauses, or other actions, each with
+/// repeats. Every change is a new version; the old ones are kept. A new registry knows the actions that an owner
+/// expects: stand, walk-forward, wave, bow, dance and more.
+#[derive(Debug, Args)]
+#[command(
+    arg_required_else_help = true,
+    subcommand_required = true,
+    after_help = "\
+Examples:
+  rsapien actions list
+  rsapien actions show walk-forward
+  rsapien actions add greet right-arm-up:600 wave right-arm-down:600 --description \"says hello\"
+  rsapien actions edit greet
+  rsapien actions export greet > greet.toml"
+)]
+pub(crate) struct Cmd {
+    #[command(flatten)]
+    registry: RegistryOptions,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// What to do with actions.
+#[derive(Debug, Subcommand)]
+enum Command {
+    List(list::Cmd),
+    Show(show::Cmd),
+    Add(add::Cmd),
+    Edit(edit::Cmd),
+    Remove(remove::Cmd),
+    Import(transfer::Import),
+    Export(transfer::Export),
+    Check(check::Cmd),
+}
+
+impl Cmd {
+    pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
+        let registry = self.registry.open()?;
+        match self.command {
+            Command::List(cmd) => cmd.run(context, &registry, out),
+            Command::Show(cmd) => cmd.run(context, &registry, out),
+            Command::Add(cmd) => cmd.run(context, registry, out),
+            Command::Edit(cmd) => cmd.run(context, registry, out),
+            Command::Remove(cmd) => cmd.run(context, registry, out),
+            Command::Import(cmd) => cmd.run(context, registry, out),
+            Command::Export(cmd) => cmd.run(context, &registry, out),
+            Command::Check(cmd) => cmd.run(context, &registry, out),
+        }
+    }
+}

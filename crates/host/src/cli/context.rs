@@ -1,0 +1,77 @@
+//! What every command is given: the options before its own, and what the terminals can show.
+
+use std::env;
+use std::io::IsTerminal;
+
+use clap::Args;
+
+use super::output::Style;
+
+/// Options that stand before or behind every command.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Options of every command")]
+pub(crate) struct GlobalOptions {
+    /// Where the robot is: `auto` asks every serial port for it, `virtual` is a robot in this process, `/dev/...` a
+    /// serial port, `tcp://HOST:PORT` a network address
+    #[arg(long, global = true, value_name = "LINK", env = "RSAPIEN_LINK", hide_env_values = true)]
+    pub(crate) link: Option<String>,
+
+    /// Bits per second on a serial port: 19200, 38400, 57600 or 115200
+    #[arg(long, global = true, value_name = "BAUD", default_value_t = 57_600, hide_default_value = true)]
+    pub(crate) baud: u32,
+
+    /// Answer in JSON, one value a line
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+
+    /// Tell on the standard error what happens on the way; twice tells more
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub(crate) verbose: u8,
+}
+
+/// What a command is given.
+#[derive(Debug, Clone)]
+pub(crate) struct Context {
+    /// The link asked for by `--link` or `RSAPIEN_LINK`.
+    pub(crate) link: Option<String>,
+    /// Bits per second on a serial port.
+    pub(crate) baud: u32,
+    /// How answers are written.
+    pub(crate) style: Style,
+}
+
+impl Context {
+    /// The context of these options on this process's terminals.
+    pub(crate) fn new(options: GlobalOptions) -> Self {
+        let no_color = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+        let dumb = env::var_os("TERM").is_some_and(|value| value == "dumb");
+        Self {
+            link: options.link,
+            baud: options.baud,
+            style: Style {
+                json: options.json,
+                terminal: std::io::stdout().is_terminal(),
+                error_terminal: std::io::stderr().is_terminal(),
+                color: !no_color && !dumb,
+            },
+        }
+    }
+}
+
+/// Sends what the library tells on its way to the standard error: warnings always, more with `-v`.
+pub(crate) fn start_tracing(verbose: u8, color: bool) {
+    let level = match verbose {
+        0 => tracing::Level::ERROR,
+        1 => tracing::Level::INFO,
+        2 => tracing::Level::DEBUG,
+        _ => tracing::Level::TRACE,
+    };
+    let subscriber = tracing_subscriber::fmt()
+        .with_max_level(level)
+        .with_writer(std::io::stderr)
+        .with_ansi(color && std::io::stderr().is_terminal())
+        .without_time()
+        .finish();
+    // A second run in one process keeps the subscriber of the first.
+    let _ = tracing::subscriber::set_global_default(subscriber);
+}

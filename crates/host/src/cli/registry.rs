@@ -1,0 +1,56 @@
+//! Which registry a command uses.
+
+use std::fs;
+use std::path::PathBuf;
+
+use clap::Args;
+use rsapien_registry::{Registry, RegistryError};
+
+use super::diagnostics::{Failure, Result};
+use crate::data;
+
+/// The option that names a registry.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct RegistryOptions {
+    /// File of the actions; without it the one in this user's data folder, which is made when first needed
+    #[arg(long, value_name = "PATH", env = "RSAPIEN_REGISTRY", hide_env_values = true)]
+    pub(crate) registry: Option<PathBuf>,
+}
+
+impl RegistryOptions {
+    /// Opens the registry; a new one knows the seed library.
+    pub(crate) fn open(&self) -> Result<Registry> {
+        if let Some(path) = &self.registry {
+            return Ok(Registry::open(path)?);
+        }
+        let path = data::registry_file().ok_or_else(|| {
+            Failure::new("this system names no data folder for you")
+                .hint("name a file with --registry PATH or RSAPIEN_REGISTRY")
+        })?;
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(|error| Failure::file("make", folder, &error))?;
+        }
+        Ok(Registry::open(path)?)
+    }
+}
+
+impl From<RegistryError> for Failure {
+    fn from(error: RegistryError) -> Self {
+        let failure = Self::from_error(&error);
+        match error {
+            RegistryError::UnknownAction { .. } => {
+                failure.hint("rsapien actions list shows the actions there are")
+            }
+            RegistryError::IsPrimitive { primitive } => {
+                failure.hint(format!("rsapien do {primitive} runs it"))
+            }
+            RegistryError::UnknownVersion { name, .. } => {
+                failure.hint(format!("rsapien actions show {name} --history lists them"))
+            }
+            RegistryError::AlreadyExist { .. } => {
+                failure.hint("rsapien actions import --replace saves them as new versions; the old ones are kept")
+            }
+            _ => failure,
+        }
+    }
+}

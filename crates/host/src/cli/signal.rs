@@ -1,0 +1,91 @@
+//! Ctrl-C and SIGTERM: STOP to the motors first, then the end. A second one ends at once.
+//!
+//! Only commands that move the robot or run until they are told to end install this; the others keep the system's
+//! way, so that one Ctrl-C ends a command that waits for its input.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::diagnostics::{Failure, Result};
+use super::exit::Status;
+
+/// What stops the motors.
+type Stop = Box<dyn FnOnce() + Send>;
+
+static RAISED: AtomicBool = AtomicBool::new(false);
+static STOP: Mutex<Option<Stop>> = Mutex::new(None);
+static INSTALLED: OnceLock<std::result::Result<(), String>> = OnceLock::new();
+
+/// How often a wait looks whether it is over.
+const LOOK_MS: u64 = 20;
+
+/// The right to ask whether the user wants the command to end.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Interrupt(());
+
+impl Interrupt {
+    /// Takes Ctrl-C and SIGTERM over.
+    pub(crate) fn install() -> Result<Self> {
+        let installed = INSTALLED
+            .get_or_init(|| ctrlc::set_handler(on_signal).map_err(|error| error.to_string()));
+        match installed {
+            Ok(()) => {
+                RAISED.store(false, Ordering::SeqCst);
+                Ok(Self(()))
+            }
+            Err(reason) => Err(Failure::new(format!("cannot watch for Ctrl-C: {reason}"))),
+        }
+    }
+
+    /// What is done first when the user wants the command to end; it runs once, on a thread of its own.
+    pub(crate) fn stop_first(self, stop: impl FnOnce() + Send + 'static) {
+        *stop_slot() = Some(Box::new(stop));
+    }
+
+    /// Whether the user wants the command to end.
+    pub(crate) fn is_raised(self) -> bool {
+        RAISED.load(Ordering::SeqCst)
+    }
+
+    /// Refuses to go on when the user wants the command to end.
+    pub(crate) fn check(self) -> Result<()> {
+        if self.is_raised() { Err(Failure::interrupted()) } else { Ok(()) }
+    }
+
+    /// Waits; sooner back with an error when the user wants the command to end.
+    pub(crate) fn wait(self, duration: Duration) -> Result<()> {
+        let end = Instant::now() + duration;
+        loop {
+            self.check()?;
+            let left = end.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(());
+            }
+            thread::sleep(left.min(Duration::from_millis(LOOK_MS)));
+        }
+    }
+
+    /// Waits until the user wants the command to end.
+    pub(crate) fn wait_for_end(self) {
+        while !self.is_raised() {
+            thread::sleep(Duration::from_millis(LOOK_MS));
+        }
+    }
+}
+
+fn stop_slot() -> MutexGuard<'static, Option<Stop>> {
+    STOP.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Runs on a thread of its own, never in a signal's context.
+fn on_signal() {
+    if RAISED.swap(true, Ordering::SeqCst) {
+        std::process::exit(i32::from(Status::Interrupted.code()));
+    }
+    if let Some(stop) = stop_slot().take() {
+        // Apart, so that a second Ctrl-C is heard while a dead line keeps this one waiting.
+        thread::spawn(stop);
+    }
+}

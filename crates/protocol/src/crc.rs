@@ -12,15 +12,15 @@ pub const INITIAL: u16 = 0xFFFF;
 
 const TABLE: [u16; 256] = {
     let mut table = [0; 256];
-    let mut index = 0;
+    let mut index = 0u16;
     while index < 256 {
-        let mut value = index as u16;
+        let mut value = index;
         let mut bit = 0;
         while bit < 8 {
             value = if value & 1 == 0 { value >> 1 } else { value >> 1 ^ POLYNOMIAL_REVERSED };
             bit += 1;
         }
-        table[index] = value;
+        table[index as usize] = value;
         index += 1;
     }
     table

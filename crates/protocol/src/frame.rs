@@ -55,7 +55,7 @@ pub fn encode<const CONTENT: usize, const LINE: usize>(
     content: &[u8; CONTENT],
 ) -> [u8; LINE] {
     const {
-        assert!(CONTENT % GROUP_DATA_LENGTH == 0 && LINE == package_length(CONTENT));
+        assert!(CONTENT.is_multiple_of(GROUP_DATA_LENGTH) && LINE == package_length(CONTENT));
     }
     let mut line = [0; LINE];
     line[0] = header.byte();

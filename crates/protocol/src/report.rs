@@ -147,6 +147,7 @@ impl MotionReport {
 
 /// Which camera axes move and which are at a limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[allow(clippy::struct_excessive_bools)] // Four independent bits of one byte.
 pub struct AxisFlags {
     /// The pan axis moves.
     pub pan_moving: bool,

@@ -16,25 +16,37 @@
 //!
 //! ```text
 //!            request / stop                 poll_transmit
-//!   Free ───────────────────► Sending ─────────────────────► Awaiting ──┐ deadline, tries left:
-//!    ▲                           ▲                            │   │     │ back to Sending
-//!    │                           └────────────────────────────┼───┼─────┘
-//!    │  accepted; or refused and no copy on the way           │   │ refused, but copies of it
-//!    ├────────────────────────────────────────────────────────┘   │ are still on the way
-//!    │  every copy answered, or the deadline                      ▼
-//!    └──────────────────────────────────────────────────────── Settling
+//!   Free ───────────────────► Sending ─────────────────────► Awaiting
+//!    ▲                          ▲                              │   │
+//!    │                          │ deadline, tries left          │   │
+//!    │                          ├──────────────────────────────┤   │
+//!    │                          │ refused for a reason that     │   │
+//!    │                          │ passes: now asks with HELLO   │   │
+//!    │                          └──────────────────────────────┘   │
+//!    └─────────────────────────────────────────────────────────────┘
+//!        answered for good, or the deadline and no tries left
 //! ```
 //!
-//! Settling exists because a refused package does not use its number up: were the next package sent
-//! under the same number while a copy of the refused one is on the way, the robot could execute
-//! the copy and take the next package for a duplicate of it.
+//! A refused package does not use its number up, and a full queue may have a place a moment later:
+//! were the next package sent under the same number while a copy of the refused one (or of the
+//! refusal) is on the way, the robot could execute the copy and take the next package for a
+//! duplicate of it, or the PC take the old refusal for an answer to the next package. So when a
+//! refusal comes for a reason that passes ([`Status::QueueFull`], [`Status::Held`],
+//! [`Status::NotInitialised`]), the session asks before it tells: HELLO under the open session
+//! changes nothing, its answer comes behind everything said before, and names the last number
+//! executed. The crate's tests go through every interleaving of a small model and show that then
+//! no action runs twice, none is told accepted that did not run, and none refused that did.
 
 use crate::frame::{self, ACTION_PACKAGE_LENGTH, ActionBytes, SYNCHRONIZATION_PACKAGE_LENGTH};
 use crate::{
-    ActionPackage, Address, BadReport, Counts, Fed, Kind, LineError, PROTOCOL_VERSION, Receiver,
+    ActionPackage, Address, Counts, Fed, HelloReport, Kind, LineError, PROTOCOL_VERSION, Receiver,
     Report, Request, Status, SynchronizationPackage,
 };
+pub use event::{Failure, RequestError, SessionEvent, Ticket, UnknownReason};
 
+mod event;
+#[cfg(test)]
+mod model;
 #[cfg(test)]
 mod tests;
 
@@ -67,151 +79,71 @@ impl SessionConfig {
     }
 }
 
-/// Names a request until its outcome is told.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Ticket(u32);
-
-/// Why a request was not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum RequestError {
-    /// Another package is outstanding on the line.
-    #[error("another package is outstanding on the line: wait for its event")]
-    Busy,
-    /// The kind is executed only in a session, and none is open with this controller.
-    #[error("no session is open with the {address} controller: open one first")]
-    NoSession {
-        /// The controller.
-        address: Address,
-    },
-    /// HELLO goes through [`Session::open`].
-    #[error("HELLO is sent by opening a session")]
-    HelloByHand,
-    /// An argument is out of its range.
-    #[error("an argument of {kind} is out of its range")]
-    BadArgument {
-        /// The kind of the request.
-        kind: Kind,
-    },
-}
-
-/// Why a request has no answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Failure {
-    /// No answer to any try. The package was not one that acts, or cannot act any more.
-    #[error("no answer from the {address} controller to {tries} tries of {kind}")]
-    NoAnswer {
-        /// The controller.
-        address: Address,
-        /// The kind of the request.
-        kind: Kind,
-        /// How often it was sent.
-        tries: u8,
-    },
-    /// Whether the package was executed cannot be known: it was sent, but the answer did not come
-    /// or the session was lost in between. It is not sent again.
-    #[error(
-        "outcome of {kind} unknown: it was sent {tries} times to the {address} controller, and {reason}"
-    )]
-    OutcomeUnknown {
-        /// The controller.
-        address: Address,
-        /// The kind of the request.
-        kind: Kind,
-        /// How often it was sent.
-        tries: u8,
-        /// What made it unknown.
-        reason: UnknownReason,
-    },
-    /// STOP took its place on the line before it was sent or, if it does not act, answered.
-    #[error("{kind} was given up for STOP")]
-    Displaced {
-        /// The kind of the request.
-        kind: Kind,
-    },
-}
-
-/// What made an outcome unknown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum UnknownReason {
-    /// No answer came to any try.
-    #[error("no answer came")]
-    NoAnswer,
-    /// The robot was reset, or another program opened a session, between two tries.
-    #[error("the session was lost under it")]
-    SessionLost,
-    /// STOP took its place on the line after it was sent.
-    #[error("STOP took its place before an answer came")]
-    Displaced,
-}
-
-/// What happened on the line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SessionEvent {
-    /// A request was answered; the status says how.
-    Answered {
-        /// The request.
-        ticket: Ticket,
-        /// The controller that answered.
-        address: Address,
-        /// The answer.
-        package: SynchronizationPackage,
-        /// How often the package was sent.
-        tries: u8,
-        /// From the first try to the answer, in ms.
-        round_trip_ms: u64,
-    },
-    /// A request ended without an answer that settles it.
-    Failed {
-        /// The request.
-        ticket: Ticket,
-        /// The controller asked.
-        address: Address,
-        /// Why.
-        failure: Failure,
-    },
-    /// The controller was reset since its last report: its session is closed, its queue empty.
-    Restarted {
-        /// The controller.
-        address: Address,
-        /// The new boot number.
-        boot: u8,
-    },
-    /// An intact package that means nothing to this version; it answers nothing.
-    Incomprehensible {
-        /// The controller it came from.
-        address: Address,
-        /// What is wrong with it.
-        error: BadReport,
-    },
-}
-
 /// What is known of one controller.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 struct Peer {
     session: Option<u8>,
     last_sequence: u8,
     boot: Option<u8>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Phase {
     Sending,
     Awaiting { deadline_ms: u64 },
-    Settling { deadline_ms: u64, refusal: SynchronizationPackage },
 }
 
-#[derive(Clone, Copy, Debug)]
+/// HELLO that asks whether a copy of a refused package was executed after all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Question {
+    package: ActionPackage,
+    tries: u8,
+    /// The best answer to the refused package so far: an acceptance, else the latest refusal.
+    answer: SynchronizationPackage,
+    answered_ms: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Outstanding {
     ticket: Ticket,
     address: Address,
     package: ActionPackage,
     phase: Phase,
     tries: u8,
-    answers: u8,
+    /// Whether the controller told of a reset since the first try.
+    was_reset: bool,
     first_sent_ms: u64,
+    question: Option<Question>,
 }
 
-const EVENTS_MAX: usize = 4;
+impl Outstanding {
+    fn new(ticket: Ticket, address: Address, package: ActionPackage) -> Outstanding {
+        Outstanding {
+            ticket,
+            address,
+            package,
+            phase: Phase::Sending,
+            tries: 0,
+            was_reset: false,
+            first_sent_ms: 0,
+            question: None,
+        }
+    }
+
+    /// What goes over the line now, and how often it did.
+    fn on_line(&mut self) -> (ActionPackage, &mut u8) {
+        match &mut self.question {
+            Some(question) => (question.package, &mut question.tries),
+            None => (self.package, &mut self.tries),
+        }
+    }
+}
+
+/// Places for events that wait to be fetched. Two ends of requests can wait at once (of one that
+/// STOP displaced, and of STOP), and two restarts (of either controller); the rest is for rubbish.
+const EVENTS_MAX: usize = 6;
+const INCOMPREHENSIBLE_MAX: usize = EVENTS_MAX - 4;
+const RESTARTED_MAX: usize = EVENTS_MAX - 2;
 
 /// The PC's end of a line. See the [module](self) for how it is driven.
 #[derive(Clone, Debug)]
@@ -221,9 +153,9 @@ pub struct Session {
     peers: [Peer; 2],
     outstanding: Option<Outstanding>,
     stop: Option<(Ticket, Address)>,
-    next_ticket: u32,
-    next_session: u8,
-    next_tag: u8,
+    last_ticket: u32,
+    proposal: u8,
+    last_tag: u8,
     events: [Option<SessionEvent>; EVENTS_MAX],
 }
 
@@ -236,9 +168,9 @@ impl Session {
             peers: [Peer::default(); 2],
             outstanding: None,
             stop: None,
-            next_ticket: 0,
-            next_session: config.first_session.max(1),
-            next_tag: 0,
+            last_ticket: 0,
+            proposal: config.first_session.max(1),
+            last_tag: 0,
             events: [None; EVENTS_MAX],
         }
     }
@@ -264,16 +196,11 @@ impl Session {
     /// [`RequestError::Busy`].
     pub fn open(&mut self, address: Address) -> Result<Ticket, RequestError> {
         self.check_free()?;
-        let session = self.next_session;
-        self.next_session = if session == u8::MAX { 1 } else { session + 1 };
+        let session = self.proposal;
+        self.proposal = if session == u8::MAX { 1 } else { session + 1 };
         self.peer_mut(address).session = None;
-        let request = Request::Hello {
-            lowest_version: PROTOCOL_VERSION,
-            highest_version: PROTOCOL_VERSION,
-            session,
-        };
         let sequence = self.tag();
-        Ok(self.put(address, ActionPackage { session, sequence, request }))
+        Ok(self.put(address, ActionPackage { session, sequence, request: hello(session) }))
     }
 
     /// Puts a request on the line.
@@ -330,9 +257,10 @@ impl Session {
         if outstanding.tries == 0 {
             outstanding.first_sent_ms = now_ms;
         }
-        outstanding.tries += 1;
         outstanding.phase = Phase::Awaiting { deadline_ms: now_ms.saturating_add(answer_time_ms) };
-        Some(outstanding.package.encode(outstanding.address))
+        let (package, tries) = outstanding.on_line();
+        *tries = tries.saturating_add(1);
+        Some(package.encode(outstanding.address))
     }
 
     /// When [`handle_timeout`](Session::handle_timeout) wants to be called next, in ms. None when
@@ -340,9 +268,7 @@ impl Session {
     pub fn poll_timeout(&self) -> Option<u64> {
         match self.outstanding?.phase {
             Phase::Sending => None,
-            Phase::Awaiting { deadline_ms } | Phase::Settling { deadline_ms, .. } => {
-                Some(deadline_ms)
-            }
+            Phase::Awaiting { deadline_ms } => Some(deadline_ms),
         }
     }
 
@@ -360,7 +286,10 @@ impl Session {
             let address = content.address();
             match SynchronizationPackage::parse(&content) {
                 Ok(package) => self.handle_package(address, package, now_ms),
-                Err(error) => self.push(SessionEvent::Incomprehensible { address, error }),
+                Err(error) => {
+                    let event = SessionEvent::Incomprehensible { address, error };
+                    self.push(event, INCOMPREHENSIBLE_MAX);
+                }
             }
         }
     }
@@ -373,25 +302,17 @@ impl Session {
     /// Acts on the deadline if it has come; earlier calls do nothing.
     pub fn handle_timeout(&mut self, now_ms: u64) {
         self.receiver.expire(now_ms);
-        let Some(outstanding) = self.outstanding else { return };
-        match outstanding.phase {
-            Phase::Awaiting { deadline_ms } if now_ms >= deadline_ms => {
-                self.handle_no_answer(outstanding);
-            }
-            Phase::Settling { deadline_ms, refusal } if now_ms >= deadline_ms => {
-                self.end_answered(outstanding, refusal, now_ms);
-            }
-            _ => {}
-        }
-    }
-
-    fn handle_no_answer(&mut self, outstanding: Outstanding) {
-        if self.stop.is_none() && outstanding.tries < self.config.tries {
-            if let Some(outstanding) = self.outstanding.as_mut() {
-                outstanding.phase = Phase::Sending;
-            }
+        let Some(outstanding) = &mut self.outstanding else { return };
+        let Phase::Awaiting { deadline_ms } = outstanding.phase else { return };
+        if now_ms < deadline_ms {
             return;
         }
+        let (_, tries) = outstanding.on_line();
+        if self.stop.is_none() && *tries < self.config.tries {
+            outstanding.phase = Phase::Sending;
+            return;
+        }
+        let outstanding = *outstanding;
         let reason = match self.stop {
             Some(_) => UnknownReason::Displaced,
             None => UnknownReason::NoAnswer,
@@ -401,50 +322,85 @@ impl Session {
 
     fn handle_package(&mut self, address: Address, package: SynchronizationPackage, now_ms: u64) {
         self.note_boot(address, &package.report);
-        let Some(mut outstanding) = self.outstanding else { return };
-        let asked = outstanding.package;
-        let answers_it = outstanding.tries > 0
-            && address == outstanding.address
-            && package.session == asked.session
-            && package.sequence == asked.sequence
-            && package.kind_byte == asked.request.kind().byte();
-        if !answers_it {
+        let Some(outstanding) = self.outstanding else { return };
+        if address != outstanding.address {
             return;
         }
-        outstanding.answers = outstanding.answers.saturating_add(1);
-        let is_final = package.status.is_accepted()
-            || !asked.request.kind().is_numbered()
-            || outstanding.answers >= outstanding.tries;
-        if is_final {
-            self.end_answered(outstanding, package, now_ms);
-            return;
+        if outstanding.tries > 0 && answers(&package, &outstanding.package) {
+            self.handle_answer(outstanding, package, now_ms);
+        } else if let Some(question) = outstanding.question
+            && question.tries > 0
+            && answers(&package, &question.package)
+        {
+            self.handle_last_number(outstanding, question, &package);
         }
-        let deadline_ms = match outstanding.phase {
-            Phase::Awaiting { deadline_ms } | Phase::Settling { deadline_ms, .. } => deadline_ms,
-            // The deadline has passed, the next copy is not sent yet: the copies before it had
-            // their time.
-            Phase::Sending => return self.end_answered(outstanding, package, now_ms),
-        };
-        outstanding.phase = Phase::Settling { deadline_ms, refusal: package };
+    }
+
+    fn handle_answer(
+        &mut self,
+        mut outstanding: Outstanding,
+        package: SynchronizationPackage,
+        now_ms: u64,
+    ) {
+        if !outstanding.package.request.kind().is_numbered() {
+            return self.end_answered(outstanding, package, now_ms);
+        }
+        if matches!(package.status, Status::NoSession | Status::OutOfSequence) {
+            self.peer_mut(outstanding.address).session = None;
+            // It may have run in the session that was lost, its answer with it.
+            if outstanding.tries > 1 || outstanding.was_reset || outstanding.question.is_some() {
+                return self.end_failed(outstanding, UnknownReason::SessionLost);
+            }
+            return self.end_answered(outstanding, package, now_ms);
+        }
+        if let Some(question) = &mut outstanding.question {
+            if !question.answer.status.is_accepted() {
+                (question.answer, question.answered_ms) = (package, now_ms);
+            }
+        } else if may_pass(package.status) {
+            let session = outstanding.package.session;
+            let hello = ActionPackage { session, sequence: self.tag(), request: hello(session) };
+            outstanding.phase = Phase::Sending;
+            outstanding.question =
+                Some(Question { package: hello, tries: 0, answer: package, answered_ms: now_ms });
+        } else {
+            return self.end_answered(outstanding, package, now_ms);
+        }
         self.outstanding = Some(outstanding);
+    }
+
+    /// The answer to the question: everything sent before it has arrived or never will.
+    fn handle_last_number(
+        &mut self,
+        outstanding: Outstanding,
+        question: Question,
+        package: &SynchronizationPackage,
+    ) {
+        let number = outstanding.package.sequence;
+        let mut answer = question.answer;
+        let last = match package.report {
+            Report::Hello(HelloReport { last_sequence, .. })
+                if package.status.is_accepted() && !outstanding.was_reset =>
+            {
+                last_sequence
+            }
+            _ => return self.end_failed(outstanding, UnknownReason::SessionLost),
+        };
+        if last == number {
+            answer.status = Status::Accepted;
+        } else if last.wrapping_add(1) != number || answer.status.is_accepted() {
+            return self.end_failed(outstanding, UnknownReason::SessionLost);
+        }
+        self.end_answered(outstanding, answer, question.answered_ms);
     }
 
     fn end_answered(
         &mut self,
         outstanding: Outstanding,
         package: SynchronizationPackage,
-        now_ms: u64,
+        answered_ms: u64,
     ) {
         let Outstanding { ticket, address, tries, .. } = outstanding;
-        let is_numbered = outstanding.package.request.kind().is_numbered();
-        let session_lost =
-            is_numbered && matches!(package.status, Status::NoSession | Status::OutOfSequence);
-        if session_lost {
-            self.peer_mut(address).session = None;
-            if tries > 1 {
-                return self.end_failed(outstanding, UnknownReason::SessionLost);
-            }
-        }
         if package.status.is_accepted() {
             if let Report::Hello(report) = package.report {
                 *self.peer_mut(address) = Peer {
@@ -452,15 +408,17 @@ impl Session {
                     last_sequence: report.last_sequence,
                     boot: Some(report.boot),
                 };
-            } else if is_numbered {
+            } else if outstanding.package.request.kind().is_numbered() {
                 self.peer_mut(address).last_sequence = package.sequence;
             }
         }
         self.outstanding = None;
-        let round_trip_ms = now_ms.saturating_sub(outstanding.first_sent_ms);
-        self.push(SessionEvent::Answered { ticket, address, package, tries, round_trip_ms });
+        let round_trip_ms = answered_ms.saturating_sub(outstanding.first_sent_ms);
+        let event = SessionEvent::Answered { ticket, address, package, tries, round_trip_ms };
+        self.push(event, EVENTS_MAX);
     }
 
+    /// Ends a request that was sent and has no answer that settles it.
     fn end_failed(&mut self, outstanding: Outstanding, reason: UnknownReason) {
         let Outstanding { ticket, address, tries, .. } = outstanding;
         let kind = outstanding.package.request.kind();
@@ -472,9 +430,14 @@ impl Session {
         if kind.is_numbered() {
             // Whether the number was used up cannot be known, so the session ends with it.
             self.peer_mut(address).session = None;
+            if let Some(Question { answer, answered_ms, .. }) = outstanding.question
+                && answer.status.is_accepted()
+            {
+                return self.end_answered(outstanding, answer, answered_ms);
+            }
         }
         self.outstanding = None;
-        self.push(SessionEvent::Failed { ticket, address, failure });
+        self.push(SessionEvent::Failed { ticket, address, failure }, EVENTS_MAX);
     }
 
     fn note_boot(&mut self, address: Address, report: &Report) {
@@ -482,53 +445,36 @@ impl Session {
         let known = self.peer_mut(address).boot.replace(boot);
         if known.is_some_and(|known| known != boot) {
             self.peer_mut(address).session = None;
-            self.push(SessionEvent::Restarted { address, boot });
+            if let Some(outstanding) = &mut self.outstanding {
+                outstanding.was_reset |= outstanding.address == address && outstanding.tries > 0;
+            }
+            self.push(SessionEvent::Restarted { address, boot }, RESTARTED_MAX);
         }
     }
 
     fn start_stop_if_free(&mut self) {
         let Some((ticket, address)) = self.stop else { return };
         if let Some(outstanding) = self.outstanding {
-            if outstanding.phase != Phase::Sending {
+            let Outstanding { ticket, address, tries, .. } = outstanding;
+            if matches!(outstanding.phase, Phase::Awaiting { .. }) {
                 return;
             }
-            let kind = outstanding.package.request.kind();
-            if outstanding.tries > 0 {
+            if tries > 0 {
                 self.end_failed(outstanding, UnknownReason::Displaced);
             } else {
-                self.outstanding = None;
-                self.push(SessionEvent::Failed {
-                    ticket: outstanding.ticket,
-                    address: outstanding.address,
-                    failure: Failure::Displaced { kind },
-                });
+                let failure = Failure::Displaced { kind: outstanding.package.request.kind() };
+                self.push(SessionEvent::Failed { ticket, address, failure }, EVENTS_MAX);
             }
         }
         self.stop = None;
         let session = self.peer(address).session.unwrap_or(0);
-        let sequence = self.tag();
-        self.outstanding = Some(Outstanding {
-            ticket,
-            address,
-            package: ActionPackage { session, sequence, request: Request::Stop },
-            phase: Phase::Sending,
-            tries: 0,
-            answers: 0,
-            first_sent_ms: 0,
-        });
+        let package = ActionPackage { session, sequence: self.tag(), request: Request::Stop };
+        self.outstanding = Some(Outstanding::new(ticket, address, package));
     }
 
     fn put(&mut self, address: Address, package: ActionPackage) -> Ticket {
         let ticket = self.ticket();
-        self.outstanding = Some(Outstanding {
-            ticket,
-            address,
-            package,
-            phase: Phase::Sending,
-            tries: 0,
-            answers: 0,
-            first_sent_ms: 0,
-        });
+        self.outstanding = Some(Outstanding::new(ticket, address, package));
         ticket
     }
 
@@ -537,20 +483,20 @@ impl Session {
     }
 
     fn ticket(&mut self) -> Ticket {
-        self.next_ticket = self.next_ticket.wrapping_add(1);
-        Ticket(self.next_ticket)
+        self.last_ticket = self.last_ticket.wrapping_add(1);
+        Ticket(self.last_ticket)
     }
 
     /// A number that tells the answers to packages without a turn apart.
     fn tag(&mut self) -> u8 {
-        self.next_tag = self.next_tag.wrapping_add(1);
-        self.next_tag
+        self.last_tag = self.last_tag.wrapping_add(1);
+        self.last_tag
     }
 
-    fn push(&mut self, event: SessionEvent) {
-        // An outstanding package ends with at most two events and nothing is sent before they are
-        // fetched, so only rubbish that happens to be intact can fill the places; it is let go.
-        if let Some(place) = self.events.iter_mut().find(|place| place.is_none()) {
+    /// Keeps `event` unless `places` events wait already: the ends of requests always find a
+    /// place, whatever else comes before they are fetched.
+    fn push(&mut self, event: SessionEvent, places: usize) {
+        if let Some(place) = self.events.iter_mut().take(places).find(|place| place.is_none()) {
             *place = Some(event);
         }
     }
@@ -568,4 +514,20 @@ impl Session {
             Address::Camera => &mut self.peers[1],
         }
     }
+}
+
+const fn hello(session: u8) -> Request {
+    Request::Hello { lowest_version: PROTOCOL_VERSION, highest_version: PROTOCOL_VERSION, session }
+}
+
+fn answers(answer: &SynchronizationPackage, asked: &ActionPackage) -> bool {
+    answer.session == asked.session
+        && answer.sequence == asked.sequence
+        && answer.kind_byte == asked.request.kind().byte()
+}
+
+/// Whether a robot that answered so may answer the same bytes otherwise a moment later, in the
+/// same session.
+const fn may_pass(status: Status) -> bool {
+    matches!(status, Status::QueueFull | Status::Held | Status::NotInitialised)
 }

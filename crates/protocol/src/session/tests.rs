@@ -94,6 +94,10 @@ fn a_refused_package_does_not_use_its_number_up() {
         let package = sent(&mut session, 100);
         assert_eq!(package.sequence, 1);
         answer(&mut session, package, status, motion_report(1), 110);
+        if !status.is_accepted() {
+            let question = sent(&mut session, 111);
+            answer(&mut session, question, Status::Accepted, hello_report(1, 0), 120);
+        }
         session.poll_event().unwrap();
     }
 }
@@ -136,8 +140,6 @@ fn a_session_lost_between_two_tries_leaves_the_outcome_unknown() {
     answer(&mut session, package, Status::NoSession, motion_report(2), 60);
     let restarted = SessionEvent::Restarted { address: Address::Motion, boot: 2 };
     assert_eq!(session.poll_event(), Some(restarted));
-    assert_eq!(session.poll_event(), None, "a copy may still be on the way");
-    session.handle_timeout(2 * ANSWER_TIME_MS);
     let Some(SessionEvent::Failed { failure, .. }) = session.poll_event() else { panic!() };
     let reason = UnknownReason::SessionLost;
     assert!(
@@ -162,19 +164,114 @@ fn a_session_lost_before_the_only_try_is_a_refusal() {
 }
 
 #[test]
-fn a_refusal_waits_for_the_copies_on_the_way() {
+fn a_refusal_for_a_reason_that_passes_is_told_when_the_robot_confirms_it() {
+    let refused = |tries| {
+        let mut session = opened();
+        session.request(Address::Motion, STEP).unwrap();
+        let package = sent(&mut session, 0);
+        for try_number in 1..tries {
+            session.handle_timeout(try_number * ANSWER_TIME_MS);
+            assert_eq!(sent(&mut session, try_number * ANSWER_TIME_MS), package);
+        }
+        answer(&mut session, package, Status::QueueFull, motion_report(1), 300);
+        assert_eq!(session.poll_event(), None);
+        let question = sent(&mut session, 301);
+        let hello = Request::Hello { lowest_version: 1, highest_version: 1, session: 9 };
+        assert_eq!((question.session, question.request), (9, hello));
+        (session, package, question)
+    };
+    let told = |mut session: Session| match session.poll_event() {
+        Some(SessionEvent::Answered { package, tries, round_trip_ms: 300, .. }) => {
+            Ok((package.status, tries))
+        }
+        Some(SessionEvent::Failed { failure, .. }) => Err(failure),
+        other => panic!("{other:?}"),
+    };
+
+    let (mut session, _, question) = refused(1);
+    answer(&mut session, question, Status::Accepted, hello_report(1, 0), 310);
+    assert_eq!(told(session), Ok((Status::QueueFull, 1)));
+
+    // The second copy was executed, and its answer lost.
+    let (mut session, _, question) = refused(2);
+    answer(&mut session, question, Status::Accepted, hello_report(1, 1), 310);
+    assert_eq!(session.peer(Address::Motion).last_sequence, 1);
+    assert_eq!(told(session), Ok((Status::Accepted, 2)));
+
+    // The robot was reset in between.
+    let (mut session, _, question) = refused(2);
+    answer(&mut session, question, Status::Accepted, hello_report(2, 0), 310);
+    assert!(matches!(session.poll_event(), Some(SessionEvent::Restarted { .. })));
+    assert!(matches!(told(session), Err(Failure::OutcomeUnknown { .. })));
+
+    // The robot falls silent, before or after the second copy's acceptance was heard.
+    for accepted in [false, true] {
+        let (mut session, package, _) = refused(2);
+        if accepted {
+            answer(&mut session, package, Status::Accepted, motion_report(1), 300);
+        }
+        for try_number in 1..=6 {
+            session.handle_timeout(301 + try_number * ANSWER_TIME_MS);
+            assert_eq!(
+                session.poll_transmit(301 + try_number * ANSWER_TIME_MS).is_some(),
+                try_number < 6
+            );
+        }
+        assert_eq!(session.open_session(Address::Motion), None);
+        assert_eq!(told(session).is_ok(), accepted);
+    }
+}
+
+#[test]
+fn only_a_refusal_for_a_reason_that_passes_is_asked_about() {
+    for status in Status::ALL {
+        let mut session = opened();
+        session.request(Address::Motion, STEP).unwrap();
+        let package = sent(&mut session, 0);
+        answer(&mut session, package, status, motion_report(1), 10);
+        let passes = [Status::QueueFull, Status::Held, Status::NotInitialised].contains(&status);
+        assert_eq!(session.poll_event().is_none(), passes, "{status:?}");
+    }
+}
+
+#[test]
+fn stop_does_not_wait_for_a_refusal_to_be_confirmed() {
     let mut session = opened();
     session.request(Address::Motion, STEP).unwrap();
     let package = sent(&mut session, 0);
-    session.handle_timeout(ANSWER_TIME_MS);
-    sent(&mut session, ANSWER_TIME_MS);
-    answer(&mut session, package, Status::QueueFull, motion_report(1), 50);
-    assert_eq!(session.poll_event(), None);
-    answer(&mut session, package, Status::Accepted, motion_report(1), 60);
-    let Some(SessionEvent::Answered { package, tries: 2, .. }) = session.poll_event() else {
-        panic!()
-    };
-    assert_eq!(package.status, Status::Accepted);
+    answer(&mut session, package, Status::QueueFull, motion_report(1), 10);
+    session.stop(Address::Motion).unwrap();
+    assert_eq!(sent(&mut session, 11).request, Request::Stop);
+    let Some(SessionEvent::Failed { failure, .. }) = session.poll_event() else { panic!() };
+    assert!(matches!(failure, Failure::OutcomeUnknown { .. }));
+    assert_eq!(session.open_session(Address::Motion), None, "a copy may run under its number");
+}
+
+#[test]
+fn rubbish_never_takes_the_place_of_an_outcome() {
+    let mut session = opened();
+    let ticket = session.request(Address::Motion, Request::State).unwrap();
+    let package = sent(&mut session, 0);
+    let header = crate::HeaderByte { direction: crate::Direction::ToPc, address: Address::Camera };
+    let rubbish: crate::SynchronizationBytes = frame::encode(header, &[0xFF; 18]);
+    for _ in 0..20 {
+        session.handle_bytes(&rubbish, 5);
+    }
+    for boot in 2..20 {
+        answer(
+            &mut session,
+            ActionPackage { session: 0, ..package },
+            Status::Accepted,
+            motion_report(boot),
+            6,
+        );
+    }
+    answer(&mut session, package, Status::Accepted, motion_report(20), 7);
+    let events = std::iter::from_fn(|| session.poll_event());
+    let ends = events.filter(
+        |event| matches!(event, SessionEvent::Answered { ticket: of, .. } if *of == ticket),
+    );
+    assert_eq!(ends.count(), 1);
 }
 
 #[test]

@@ -24,11 +24,12 @@
 //! * Sent to an end stop the motor overruns by `T / 8`, so that the joint surely stands there,
 //!   and the position is exact again.
 //! * A joint sent where it has arrived, or where it is already going, goes on as it is.
-//! * When the sense turns, both outputs are off for [`DEAD_TIME_MS`]; that time is not reckoned.
+//! * When the sense turns, both outputs are off until the next tick ([`DEAD_TIME_MS`]), even when
+//!   the motor had arrived just before; that time is not reckoned.
 
 use rsapien_protocol::Position;
 
-/// Both direction outputs of a motor are off for this time when its sense turns.
+/// Ticks for which both direction outputs of a motor are off when its sense turns.
 pub const DEAD_TIME_MS: u8 = 1;
 
 /// How far beyond an end stop a motor runs, and how far beyond its reckoned middle an arm
@@ -84,6 +85,8 @@ pub(crate) struct JointDrive {
     pub(crate) motor: MotorOutput,
     /// Ticks that both outputs stay off still.
     dead_time_ms: u8,
+    /// The sense that was on the pins last; `Off` when neither was for a whole tick.
+    last_driven: MotorOutput,
     pub(crate) target: Position,
     /// Where it rests, if it arrived there.
     pub(crate) reached: Option<Position>,
@@ -99,6 +102,7 @@ impl JointDrive {
             state: JointState::Resting,
             motor: MotorOutput::Off,
             dead_time_ms: 0,
+            last_driven: MotorOutput::Off,
             target: Position::First,
             reached: None,
             full_travel_ms,
@@ -162,10 +166,12 @@ impl JointDrive {
     /// Timer routine: one ms has passed.
     pub(crate) fn advance(&mut self, switch_closed: Option<bool>) {
         if self.is_resting() {
+            self.last_driven = MotorOutput::Off;
             return;
         }
         if self.dead_time_ms > 0 {
             self.dead_time_ms -= 1;
+            self.last_driven = self.output();
             return;
         }
         self.position_ms = match self.motor {
@@ -262,12 +268,13 @@ impl JointDrive {
     }
 
     fn start(&mut self, state: JointState, sense: MotorOutput, remaining_ms: u16) {
-        if self.motor == sense.turned() {
-            self.dead_time_ms = DEAD_TIME_MS;
-        }
         self.state = state;
         self.motor = sense;
         self.remaining_ms = remaining_ms;
+        self.dead_time_ms = if self.last_driven == sense.turned() { DEAD_TIME_MS } else { 0 };
+        if self.dead_time_ms == 0 {
+            self.last_driven = sense;
+        }
         self.reached = None;
     }
 }

@@ -89,7 +89,7 @@ pub trait Controller {
     /// Whether bytes of a response wait to be handed out.
     fn is_transmitting(&self) -> bool;
 
-    /// One millisecond in the defined order: input change interrupt, timer interrupt, one pass
+    /// One millisecond in the defined order: timer interrupt, input change interrupt, one pass
     /// of the main routine. The camera controller has no input pins and does not look at
     /// `inputs`.
     fn tick(&mut self, inputs: Inputs);

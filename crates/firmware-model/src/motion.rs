@@ -363,8 +363,8 @@ impl Controller for MotionController {
     }
 
     fn tick(&mut self, inputs: Inputs) {
-        self.input_change_interrupt(inputs);
         self.timer_interrupt();
+        self.input_change_interrupt(inputs);
         self.main_routine(inputs);
     }
 

@@ -2,16 +2,22 @@
 //! routine, and what requests do.
 //!
 //! ```text
-//!                      INIT                       every joint rests, queue empty
-//!   Fresh, Idle, ───────────────► Initialising ─────────────────────────────────► Idle
-//!   Executing,                        │ every joint rests, steps were queued       │  ▲
-//!   Stopped, Held                     ▼                                 STEP       │  │ last step's
-//!       ▲      ▲                  Executing ◄──────────────────────────────────────┘  │ duration over
-//!       │      │                      │  │ duration over: next step                   │
-//!       │      │                      │  └────────────────────────────────────────────┘
-//!       │ STOP │ dead-man, ending     │
-//!       │ from │ bumper               │           Stopped ── STEP, if initialised ──► Executing
-//!     Stopped  └─────────── Held ◄────┘           Held ── STEP: refused
+//!   reset ──► Fresh
+//!   any mode ── INIT ──► Initialising
+//!   any mode ── STOP ──► Stopped
+//!   any mode in which something moves ── dead-man trips ──► Held
+//!
+//!                   every joint rests, no step waits
+//!   Initialising ───────────────────────────────────────► Idle
+//!        │                                                │  ▲
+//!        │ every joint rests,                        STEP │  │ duration over, no step waits
+//!        │ a step waits                                   ▼  │
+//!        └────────────────────────────────────────────► Executing ─┐ duration over, a step waits:
+//!                                                         ▲  │ ▲   │ it starts; STEP, replace:
+//!   Stopped ── STEP, if INIT has ended since reset ───────┘  │ └───┘ the new one starts
+//!                                                            │
+//!   Held ◄── ending bumper pressed, or pressed when its step ┘
+//!            starts
 //! ```
 //!
 //! The mode tells of the queue: a motor whose joint has not arrived runs on while the mode is
@@ -333,7 +339,7 @@ impl MotionController {
     }
 
     fn is_moving(&self) -> bool {
-        self.mode == Mode::Executing || !self.every_joint_rests()
+        matches!(self.mode, Mode::Initialising | Mode::Executing) || !self.every_joint_rests()
     }
 }
 

@@ -39,8 +39,8 @@ impl Body {
         i64::from(FULL_TRAVEL_MS_DEFAULT[joint]) * 1000
     }
 
-    fn advance(&mut self, motors: &[MotorOutput; 7]) {
-        for (joint, motor) in motors.iter().enumerate() {
+    fn advance(&mut self, motors: [MotorOutput; 7]) {
+        for (joint, motor) in motors.into_iter().enumerate() {
             let way = match motor {
                 MotorOutput::Off => 0,
                 MotorOutput::TowardsFirst => -self.speed_permille[joint],
@@ -141,7 +141,7 @@ impl Motion {
 
     pub fn wait(&mut self, ticks: u64) {
         for _ in 0..ticks {
-            self.body.advance(&self.controller.motors());
+            self.body.advance(self.controller.motors());
             self.inputs.middle_switches = self.body.switches();
             self.controller.tick(self.inputs);
             self.now_ms += 1;

@@ -2,12 +2,9 @@
 
 mod common;
 
-use common::{Body, Motion, SESSION, Switch, pause, step};
-use rsapien_firmware_model::{Controller, MotorOutput, QUEUE_LENGTH, ResetCause};
-use rsapien_protocol::{
-    ActionPackage, Address, BumperMask, Joint, Mode, Parameter, Pose, Position, Request, Status,
-    Step, StopCause,
-};
+use common::{Body, Motion, Switch, pause, step};
+use rsapien_firmware_model::{Controller, MotorOutput, QUEUE_LENGTH};
+use rsapien_protocol::{Joint, Mode, Parameter, Pose, Position, Request, Status, Step};
 
 const TILT_LEFT: Step = Step::new(Pose::EMPTY.with(Joint::Tilt, Some(Position::First)), 1000);
 

@@ -1,0 +1,93 @@
+//! The player: keeps the robot's queue filled with the steps of an action, and tells how it ended.
+//!
+//! ```text
+//!   Before ── the robot is busy: waits until its queue has run out
+//!     ▼
+//!   Filling ── a place is free: STEP; none is: waits, asks for the state
+//!     ▼ every step is queued
+//!   Draining ── waits until the robot has counted every step as ended, and is idle
+//!     ▼
+//!   Resting ── waits until joints under way have arrived (unless told otherwise)
+//!     ▼
+//!   Done                 from any of them: Refused, Interrupted, Unknown
+//! ```
+//!
+//! An action is done when the robot itself says so: its count of ended steps has grown by the
+//! steps sent, it is idle, and it was neither stopped, held nor reset in between.
+
+mod outcome;
+mod run;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rsapien_protocol::Step;
+
+pub use outcome::{Outcome, PlayReport, Progress};
+
+pub(crate) use outcome::interruption;
+pub(crate) use run::play;
+
+use crate::Error;
+
+/// Ends an action from another thread: its player stops the motors first, then returns.
+#[derive(Clone, Debug, Default)]
+pub struct CancelToken {
+    cancelled: Arc<AtomicBool>,
+}
+
+impl CancelToken {
+    /// A token that is not cancelled.
+    pub fn new() -> CancelToken {
+        CancelToken::default()
+    }
+
+    /// Cancels what was started with this token or a clone of it. Safe in a signal handler.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::SeqCst);
+    }
+
+    /// Whether it was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::SeqCst)
+    }
+}
+
+/// Is told how far an action is.
+pub type ProgressSink<'a> = Box<dyn FnMut(&Progress) + Send + 'a>;
+
+/// How an action is played.
+pub struct PlayOptions<'a> {
+    /// Ends it.
+    pub cancel: CancelToken,
+    /// Is called when the action begins, and whenever the robot has ended a step.
+    pub on_progress: Option<ProgressSink<'a>>,
+    /// Whether to wait, when the last step has ended, until joints still under way have arrived.
+    pub wait_for_rest: bool,
+}
+
+impl Default for PlayOptions<'_> {
+    /// Not cancelled, silent, waiting for rest.
+    fn default() -> Self {
+        PlayOptions { cancel: CancelToken::new(), on_progress: None, wait_for_rest: true }
+    }
+}
+
+/// Refuses what a player cannot play; nothing was sent then.
+fn check(steps: &[Step]) -> Result<(), Error> {
+    let out_of_range = |what, value: String, range| Err(Error::OutOfRange { what, value, range });
+    if steps.is_empty() {
+        return out_of_range("number of steps", "0".to_owned(), "an action has at least one");
+    }
+    if steps.iter().any(|step| step.duration_ms == 0) {
+        return out_of_range("duration of a step", "0 ms".to_owned(), "1 to 65535 ms");
+    }
+    if steps.iter().skip(1).any(|step| step.replace) {
+        return out_of_range(
+            "replace flag",
+            "set behind the first step".to_owned(),
+            "only the first step may replace the queue, the others would cut the action short",
+        );
+    }
+    Ok(())
+}

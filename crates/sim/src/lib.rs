@@ -4,9 +4,14 @@
 
 pub mod body;
 pub mod camera;
+pub mod control;
 pub mod geometry;
 pub mod line;
+pub mod pace;
 pub mod robot;
+pub mod server;
+mod shared;
 pub mod world;
 
 pub use robot::{VirtualRobot, VirtualRobotConfig};
+pub use shared::SharedRobot;

@@ -269,7 +269,7 @@ mod tests {
         let run = |seed: u64, faults: LineFaults| {
             let mut line = Line::new(57_600, seed);
             line.set_faults(Direction::ToRobot, faults);
-            line.send(&[0xAA; 20_000], 0);
+            line.send(&vec![0xAA; 20_000], 0);
             heard(&mut line).into_iter().map(|(_, heard)| heard).collect::<Vec<_>>()
         };
         let ppm = 50_000;

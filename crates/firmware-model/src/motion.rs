@@ -186,7 +186,6 @@ impl MotionController {
         let moving = self.is_moving();
         if self.communication.dead_man.trips_now(moving) {
             self.hold(StopCause::DeadMan);
-            return;
         }
         match self.mode {
             Mode::Initialising if self.every_joint_rests() => {

@@ -154,3 +154,28 @@ fn the_watchdog_resets_a_hung_camera() {
     assert_eq!(camera.controller.report().cause, StopCause::Watchdog);
     assert_eq!(camera.controller.eeprom_boot(), 43);
 }
+
+#[test]
+fn stop_and_home_forget_the_aim_that_waits() {
+    let mut camera = Camera::homed();
+    camera.accepts(Request::Home);
+    camera.accepts(aim(9000, 0, 0));
+    camera.accepts(Request::Stop);
+    camera.accepts(aim(180, 0, 0));
+    assert_eq!(camera.at(20).controller.mode(), Mode::Idle);
+    assert_eq!(camera.controller.outputs(), commanded(180, 0));
+    camera.accepts(Request::Home);
+    camera.accepts(aim(9000, 0, 0));
+    camera.accepts(Request::Home);
+    assert_eq!(camera.at(40).controller.mode(), Mode::Idle);
+    assert_eq!(camera.controller.outputs(), commanded(0, 0));
+}
+
+#[test]
+fn an_aim_begins_with_no_tenths_from_the_one_before() {
+    let mut camera = Camera::homed();
+    camera.accepts(aim(100, 0, 5));
+    camera.at(1).accepts(aim(100, 0, 5));
+    assert_eq!(camera.at(2).controller.outputs(), commanded(0, 0));
+    assert_eq!(camera.at(3).controller.outputs(), commanded(1, 0));
+}

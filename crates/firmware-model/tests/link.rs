@@ -50,6 +50,7 @@ fn hello_opens_a_session_and_repeated_changes_nothing() {
     assert_eq!(motion.hello(SESSION + 1).last_sequence, 0);
     assert_eq!(motion.sends_numbered(3, dead_man).0, Status::NoSession);
     assert_eq!(motion.hello(SESSION).last_sequence, 0);
+    assert_eq!(motion.sends_numbered(0, dead_man).0, Status::OutOfSequence);
     assert_eq!(motion.sends_numbered(1, dead_man).0, Status::Accepted);
 }
 
@@ -235,6 +236,15 @@ fn a_gap_of_20_ms_is_a_pause_and_of_21_ms_the_end() {
 }
 
 #[test]
+fn a_package_that_does_not_go_on_is_counted_without_another_byte() {
+    let mut motion = Motion::fresh();
+    motion.line_brings(&bytes_of(Request::State)[..17]);
+    assert_eq!(motion.at(20).controller.report().reception_errors, 0);
+    assert_eq!(motion.at(21).controller.report().reception_errors, 1);
+    assert_eq!(motion.at(100).controller.report().reception_errors, 1);
+}
+
+#[test]
 fn line_errors_and_damage_are_counted_and_never_answered() {
     let mut motion = Motion::fresh();
     let bytes = bytes_of(Request::State);
@@ -277,6 +287,33 @@ fn a_ring_that_overflows_is_one_overrun_and_the_next_package_comes_through() {
     assert_eq!((counts.accepted, counts.overruns, counts.resets), (1, 1, 1));
     motion.line_brings(&bytes);
     assert_eq!(motion.hears().len(), 1);
+}
+
+#[test]
+fn the_ring_holds_32_bytes() {
+    let bytes = bytes_of(Request::State);
+    for (ahead, answers, overruns) in [(14, 1, 0), (15, 0, 1)] {
+        let mut motion = Motion::fresh();
+        let mut line = vec![0; ahead];
+        line.extend(bytes);
+        motion.line_brings(&line);
+        assert_eq!(motion.hears().len(), answers);
+        assert_eq!(motion.controller.counters().overruns, overruns);
+    }
+}
+
+#[test]
+fn what_comes_behind_a_lost_byte_is_lost_until_the_ring_is_empty() {
+    let mut motion = Motion::fresh();
+    let bytes = bytes_of(Request::State);
+    for byte in bytes.iter().chain(&bytes) {
+        motion.controller.receive_interrupt(*byte);
+    }
+    motion.line_brings(&[]);
+    motion.line_brings(&bytes);
+    motion.line_brings(&[]);
+    let counts = motion.controller.counters();
+    assert_eq!((counts.accepted, counts.overruns), (1, 1));
 }
 
 #[test]

@@ -222,6 +222,23 @@ fn the_queue_takes_32_steps_behind_the_running_one() {
 }
 
 #[test]
+fn steps_run_in_the_order_in_which_they_came() {
+    let mut motion = Motion::initialised();
+    let mut now_ms = 0;
+    let mut ends_ms = vec![0];
+    for number in 1..=100u16 {
+        while motion.controller.report().queue_free == 0 {
+            now_ms += 1;
+            motion.at(now_ms);
+        }
+        motion.accepts(Request::Step(pause(number)));
+        ends_ms.push(ends_ms[ends_ms.len() - 1] + u64::from(number));
+        let ended = ends_ms.iter().filter(|end_ms| **end_ms <= now_ms).count() - 1;
+        assert_eq!(usize::from(motion.controller.report().steps_ended), ended);
+    }
+}
+
+#[test]
 fn a_replacing_step_pre_empts_even_a_full_queue() {
     let mut motion = Motion::initialised();
     motion.accepts(Request::Step(step(Joint::RightLeg, Position::First, 1000)));
@@ -317,4 +334,66 @@ fn a_new_travel_time_keeps_the_place_and_serves_the_next_movement() {
     motion.accepts(Request::Step(step(Joint::Tilt, Position::Middle, 100)));
     assert_eq!(motion.at(811).motor(Joint::Tilt), MotorOutput::TowardsLast);
     assert_eq!(motion.at(812).motor(Joint::Tilt), MotorOutput::Off);
+}
+
+#[test]
+fn a_movement_under_way_ends_at_its_place_of_the_new_travel_time() {
+    let travel = Parameter::TravelTime { joint: Joint::RightLeg, full_travel_ms: 2000 };
+    for (first, then, expected_ms) in
+        [(Position::First, Position::Last, 2000), (Position::First, Position::Middle, 1000)]
+    {
+        let mut motion = Motion::initialised();
+        motion.accepts(Request::Step(step(Joint::RightLeg, first, 400)));
+        motion.at(400).accepts(Request::Step(step(Joint::RightLeg, then, 1000)));
+        motion.at(450).accepts(Request::Configure(travel));
+        motion.at(900).accepts(Request::State);
+        let arrived = motion.at(1100).controller.report().pose_reached.get(Joint::RightLeg);
+        assert_eq!(arrived, Some(then));
+        assert_eq!(motion.controller.joint_position_ms(Joint::RightLeg), expected_ms);
+    }
+}
+
+#[test]
+fn an_arm_that_stands_in_its_middle_is_not_moved_to_it() {
+    let mut motion = Motion::initialised();
+    motion.accepts(Request::Step(step(Joint::LeftArm, Position::Last, 100)));
+    motion.at(20).accepts(Request::Stop);
+    assert_eq!(motion.controller.report().pose_reached.get(Joint::LeftArm), None);
+    let report = motion.accepts(Request::Step(step(Joint::LeftArm, Position::Middle, 100)));
+    assert_eq!(report.pose_reached.get(Joint::LeftArm), Some(Position::Middle));
+    assert_eq!(report.motors, 0);
+}
+
+#[test]
+fn a_switch_that_changes_far_from_the_middle_is_not_believed() {
+    let mut motion = Motion::initialised();
+    motion.accepts(Request::Step(step(Joint::LeftArm, Position::First, 1000)));
+    motion.at(400).accepts(Request::State);
+    motion.at(800).accepts(Request::State);
+    motion.accepts(Request::Step(Step {
+        replace: true,
+        ..step(Joint::LeftArm, Position::Middle, 1000)
+    }));
+    motion.at(1000);
+    motion.body.switch = Switch::StuckClosed;
+    motion.at(1100);
+    assert_eq!(motion.controller.joint_position_ms(Joint::LeftArm), 300);
+    // It opens again near enough to be believed, but only a closing switch is the middle.
+    motion.body.switch = Switch::Works;
+    motion.at(1110);
+    assert_eq!(motion.motor(Joint::LeftArm), MotorOutput::TowardsLast);
+    assert_eq!(motion.controller.joint_position_ms(Joint::LeftArm), 310);
+}
+
+#[test]
+fn init_drives_an_arm_past_its_switch_to_the_end_stop() {
+    let mut motion = Motion::initialised();
+    motion.accepts(Request::Step(step(Joint::LeftArm, Position::Last, 100)));
+    motion.at(400).accepts(Request::State);
+    motion.at(800).accepts(Request::State);
+    assert_eq!(motion.body.position_us[1], 1_000_000);
+    motion.accepts(Request::Init);
+    motion.at(1200).accepts(Request::State);
+    motion.at(1600).accepts(Request::State);
+    assert_eq!(motion.at(1800).body.position_us[1], 0);
 }

@@ -28,7 +28,9 @@ fn a_bumper_is_believed_at_the_fifth_test() {
         motion.inputs.bumpers = BumperMask::NONE;
         motion.wait(1);
         motion.inputs.bumpers = BumperMask::from_bits(1 << bumper).unwrap();
-        motion.wait(5);
+        motion.wait(4);
+        assert!(motion.controller.report().bumpers.is_empty());
+        motion.wait(1);
         let report = motion.controller.report();
         assert_eq!(report.bumpers.bits(), 1 << bumper);
         assert_eq!(report.presses[bumper], 1);
@@ -225,4 +227,44 @@ fn a_brown_out_resets_and_the_supply_is_told() {
     motion.all_off();
     let report = motion.controller.report();
     assert_eq!((report.mode, report.cause, report.boot), (Mode::Fresh, StopCause::BrownOut, 2));
+}
+
+#[test]
+fn an_ending_bumper_means_nothing_once_its_step_has_ended() {
+    let mut motion = Motion::initialised();
+    motion.accepts(Request::Step(step_ended_by(0b11_1111, 50)));
+    motion.at(50);
+    motion.inputs.bumpers = BumperMask::ALL;
+    let report = motion.at(100).controller.report();
+    assert_eq!((report.mode, report.motors), (Mode::Idle, 1 << 4));
+}
+
+#[test]
+fn the_dead_man_watches_init_to_its_very_end() {
+    // When the last arm has been stopped by its switch, INIT ends in the tick after.
+    let mut motion = Motion::in_session();
+    motion.accepts(Request::Configure(Parameter::DeadMan { timeout_ms: 10_000 }));
+    motion.accepts(Request::Init);
+    let mut at_rest_ms = 0;
+    while motion.controller.report().motors != 0 {
+        at_rest_ms += 1;
+        motion.at(u64::from(at_rest_ms));
+    }
+    assert_eq!(motion.controller.mode(), Mode::Initialising);
+    for (timeout_ms, mode) in [(at_rest_ms + 1, Mode::Held), (at_rest_ms + 2, Mode::Idle)] {
+        let mut motion = Motion::in_session();
+        motion.accepts(Request::Configure(Parameter::DeadMan { timeout_ms }));
+        motion.accepts(Request::Init);
+        assert_eq!(motion.at(u64::from(at_rest_ms) + 1).controller.mode(), mode);
+    }
+}
+
+#[test]
+fn a_reset_keeps_the_clock_and_forgets_what_was_configured() {
+    let mut motion = Motion::in_session();
+    motion.controller = motion.controller.with_clock_mhz(10);
+    motion.accepts(Request::Configure(Parameter::DeadMan { timeout_ms: 900 }));
+    motion.controller.reset(ResetCause::BrownOut);
+    let report = motion.hello(SESSION);
+    assert_eq!((report.clock_mhz, report.dead_man_ms, report.last_sequence), (10, 500, 0));
 }

@@ -20,7 +20,7 @@ pub const STRIDE_M: f64 = 0.060;
 /// Distance between the middles of the feet, in metres.
 pub const FOOT_SPACING_M: f64 = 0.16;
 /// How much of the turn that rigid feet would enforce is left after the slipping of the soles.
-pub const TURN_SHARE: f64 = 0.4;
+pub const TURN_SHARE: f64 = 0.6;
 /// Lean of the trunk at either end stop of the tilt, in radians (12 degrees).
 pub const LEAN_MAX_RAD: f64 = 12.0 * std::f64::consts::PI / 180.0;
 /// With the tilt below this fraction of travel the left leg alone carries the weight, above one minus it the right.

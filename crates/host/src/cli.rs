@@ -3,13 +3,18 @@
 //! Each subcommand is a file in `cmd`: a parser whose docs are its help, and `run`. Nothing but this module prints,
 //! ends the process or reads the environment.
 
+mod camera;
 mod cmd;
 mod context;
 mod diagnostics;
 mod exit;
 mod output;
+mod performance;
 mod registry;
+mod robot;
 mod signal;
+mod view;
+mod world;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -92,10 +97,15 @@ mod tests {
         Arguments::command().debug_assert();
         let mut command = Arguments::command();
         command.build();
-        for subcommand in command.get_subcommands_mut().filter(|command| command.get_name() != "help") {
+        for subcommand in
+            command.get_subcommands_mut().filter(|command| command.get_name() != "help")
+        {
             let name = subcommand.get_name().to_owned();
             let help = subcommand.render_long_help().to_string();
-            assert!(help.contains(&format!("  rsapien {name}")), "{name} shows no example:\n{help}");
+            assert!(
+                help.contains(&format!("  rsapien {name}")),
+                "{name} shows no example:\n{help}"
+            );
         }
     }
 }

@@ -2,7 +2,17 @@
 
 mod actions;
 mod completions;
+mod demo;
 mod detect;
+mod do_primitives;
+mod init;
+mod look;
+mod play;
+mod ports;
+mod sim;
+mod snapshot;
+mod state;
+mod stop;
 
 use std::io::Write;
 
@@ -15,8 +25,18 @@ use super::exit::Status;
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    Demo(demo::Cmd),
+    Ports(ports::Cmd),
+    State(state::Cmd),
+    Init(init::Cmd),
+    Stop(stop::Cmd),
+    Do(do_primitives::Cmd),
+    Play(play::Cmd),
     Actions(actions::Cmd),
+    Look(look::Cmd),
+    Snapshot(snapshot::Cmd),
     Detect(detect::Cmd),
+    Sim(sim::Cmd),
     Completions(completions::Cmd),
 }
 
@@ -24,8 +44,18 @@ impl Command {
     /// Does it.
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
         match self {
+            Self::Demo(cmd) => cmd.run(context, out),
+            Self::Ports(cmd) => cmd.run(context, out),
+            Self::State(cmd) => cmd.run(context, out),
+            Self::Init(cmd) => cmd.run(context, out),
+            Self::Stop(cmd) => cmd.run(context, out),
+            Self::Do(cmd) => cmd.run(context, out),
+            Self::Play(cmd) => cmd.run(context, out),
             Self::Actions(cmd) => cmd.run(context, out),
+            Self::Look(cmd) => cmd.run(context, out),
+            Self::Snapshot(cmd) => cmd.run(context, out),
             Self::Detect(cmd) => cmd.run(context, out),
+            Self::Sim(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),
         }
     }

@@ -17,7 +17,13 @@ pub(crate) struct GlobalOptions {
     pub(crate) link: Option<String>,
 
     /// Bits per second on a serial port: 19200, 38400, 57600 or 115200
-    #[arg(long, global = true, value_name = "BAUD", default_value_t = 57_600, hide_default_value = true)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "BAUD",
+        default_value_t = 57_600,
+        hide_default_value = true
+    )]
     pub(crate) baud: u32,
 
     /// Answer in JSON, one value a line

@@ -48,12 +48,18 @@ impl Failure {
 
     /// The run was ended by the user.
     pub(crate) fn interrupted() -> Self {
-        Self { status: Status::Interrupted, ..Self::new("interrupted; the motors were told to stop") }
+        Self {
+            status: Status::Interrupted,
+            ..Self::new("interrupted; the motors were told to stop")
+        }
     }
 
     /// An error and everything beneath it.
     pub(crate) fn from_error(error: &(dyn Error + 'static)) -> Self {
-        Self { cause: Cause::chain(error.source(), &error.to_string()), ..Self::new(error.to_string()) }
+        Self {
+            cause: Cause::chain(error.source(), &error.to_string()),
+            ..Self::new(error.to_string())
+        }
     }
 
     /// A file that could not be read or written.
@@ -79,6 +85,13 @@ impl Failure {
     #[must_use]
     pub(crate) fn status(mut self, status: Status) -> Self {
         self.status = status;
+        self
+    }
+
+    /// The same told of `place`, such as the number of a step.
+    #[must_use]
+    pub(crate) fn within(mut self, place: &str) -> Self {
+        self.message = format!("{place}: {}", self.message);
         self
     }
 
@@ -155,8 +168,9 @@ pub(crate) fn picture(path: &Path, error: &PictureError) -> Failure {
     match error {
         PictureError::File { action, source, .. } => Failure::file(action, path, source),
         PictureError::FileTooLarge { .. } => Failure::from_error(error),
-        PictureError::UnknownFormat => Failure::new(format!("{}: {error}", path.display()))
-            .hint("convert it to png first"),
+        PictureError::UnknownFormat => {
+            Failure::new(format!("{}: {error}", path.display())).hint("convert it to png first")
+        }
         _ => Failure::new(format!("{}: {error}", path.display())),
     }
 }

@@ -6,9 +6,10 @@
 pub(crate) enum Status {
     /// What was asked for was done.
     Done = 0,
-    /// The command did its part, and the answer is no: the robot refused or was interrupted, or nothing was found.
+    /// The command did its part, and the answer is no: the robot refused or was interrupted, or nothing was found (no
+    /// robot on any port, no ellipse, no ball).
     Refused = 1,
-    /// The command could not do its part: bad usage, no robot, a file that cannot be read.
+    /// The command could not do its part: bad usage, a link or file that cannot be opened, a robot that does not answer.
     Failed = 2,
     /// Ended by Ctrl-C or SIGTERM, after the motors were stopped.
     Interrupted = 130,
@@ -26,7 +27,7 @@ pub(crate) const HELP: &str = "\
 Exit statuses:
   0    done
   1    the robot refused or was interrupted, or nothing was found
-  2    the command failed: bad usage, no robot, a file that cannot be read
+  2    the command failed: bad usage, a link or file that cannot be opened, no answer
   130  ended by Ctrl-C or SIGTERM, after the motors were stopped";
 
 #[cfg(test)]

@@ -85,9 +85,8 @@ impl fmt::Display for Table {
         let widths: Vec<(usize, bool)> = (head.iter().enumerate())
             .map(|(index, name)| {
                 let width = column(index).map(|cell| cell.chars().count()).max().unwrap_or(0);
-                let numbers = column(index).all(|cell| {
-                    cell.is_empty() || cell == "-" || cell.parse::<f64>().is_ok()
-                });
+                let numbers = column(index)
+                    .all(|cell| cell.is_empty() || cell == "-" || cell.parse::<f64>().is_ok());
                 (width.max(name.chars().count()), numbers && !self.rows.is_empty())
             })
             .collect();

@@ -44,6 +44,11 @@ impl Interrupt {
         *stop_slot() = Some(Box::new(stop));
     }
 
+    /// Takes back what [`stop_first`](Self::stop_first) was given.
+    pub(crate) fn stop_nothing(self) {
+        *stop_slot() = None;
+    }
+
     /// Whether the user wants the command to end.
     pub(crate) fn is_raised(self) -> bool {
         RAISED.load(Ordering::SeqCst)

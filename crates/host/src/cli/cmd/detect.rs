@@ -13,6 +13,7 @@ use rsapien_vision::{Detection, Detector, Picture, Stages, draw};
 
 use self::places::Places;
 use self::tables::Tables;
+pub(super) use self::tuning::AxisRange;
 use self::tuning::Tuning;
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result, render};
@@ -227,8 +228,15 @@ fn summary(name: &str, picture: &Picture, detection: &Detection) -> String {
 
 /// The ellipses for people.
 pub(super) fn listing(detection: &Detection) -> Table {
-    let mut table =
-        Table::new(&["  ", "center x", "center y", "semi-major", "semi-minor", "theta (rad)", "quality"]);
+    let mut table = Table::new(&[
+        "  ",
+        "center x",
+        "center y",
+        "semi-major",
+        "semi-minor",
+        "theta (rad)",
+        "quality",
+    ]);
     for found in &detection.ellipses {
         let ellipse = found.ellipse;
         table.row([
@@ -245,12 +253,7 @@ pub(super) fn listing(detection: &Detection) -> Table {
 }
 
 /// One line for programs.
-fn answer(
-    name: &str,
-    picture: &Picture,
-    detection: &Detection,
-    counts: bool,
-) -> serde_json::Value {
+fn answer(name: &str, picture: &Picture, detection: &Detection, counts: bool) -> serde_json::Value {
     let ellipses: Vec<[f64; 5]> = detection
         .ellipses
         .iter()

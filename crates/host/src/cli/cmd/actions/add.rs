@@ -58,8 +58,9 @@ impl Cmd {
         let name = self.name.unwrap_or_default();
         match registry.get(&name) {
             Ok(_) => {
-                return Err(Failure::new(format!("there is an action {name:?} already"))
-                    .hint(format!("change it with rsapien actions edit {name}, or choose another name")));
+                return Err(Failure::new(format!("there is an action {name:?} already")).hint(
+                    format!("change it with rsapien actions edit {name}, or choose another name"),
+                ));
             }
             Err(RegistryError::UnknownAction { .. } | RegistryError::IsPrimitive { .. }) => {}
             Err(other) => return Err(other.into()),

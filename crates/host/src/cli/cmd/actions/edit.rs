@@ -48,28 +48,33 @@ impl Cmd {
         let draft = the_action(&self.name, &text).map_err(kept)?;
         if draft == before.draft {
             discard(&path);
-            let answer = serde_json::json!({"name": self.name, "version": before.version, "changed": false});
+            let answer =
+                serde_json::json!({"name": self.name, "version": before.version, "changed": false});
             context.style.answer(out, &answer, format_args!("{} is unchanged", self.name))?;
             return Ok(Status::Done);
         }
         let version = registry.save(&draft).map_err(|error| kept(error.into()))?;
         discard(&path);
         let answer = serde_json::json!({"name": self.name, "version": version, "changed": true});
-        context.style.answer(out, &answer, format_args!("saved version {version} of {}", self.name))?;
+        context.style.answer(
+            out,
+            &answer,
+            format_args!("saved version {version} of {}", self.name),
+        )?;
         Ok(Status::Done)
     }
 }
 
 /// The one action that the text has to hold, under its old name.
 fn the_action(name: &str, text: &str) -> Result<ActionDraft> {
-    let mut drafts = read_toml(text)
-        .map_err(|findings| Failure::new(findings.to_string()))?
-        .into_iter();
+    let mut drafts =
+        read_toml(text).map_err(|findings| Failure::new(findings.to_string()))?.into_iter();
     match (drafts.next(), drafts.next()) {
         (Some(draft), None) if draft.name == name => Ok(draft),
-        (Some(draft), None) => {
-            Err(Failure::new(format!("the action is called {:?} now, and {name:?} was edited", draft.name)))
-        }
+        (Some(draft), None) => Err(Failure::new(format!(
+            "the action is called {:?} now, and {name:?} was edited",
+            draft.name
+        ))),
         (None, _) => Err(Failure::new("the text has no action")),
         (Some(_), Some(_)) => Err(Failure::new("the text has more than one action")),
     }
@@ -99,11 +104,9 @@ fn run_editor(path: &Path) -> Result<()> {
     let mut words = editor.split_whitespace();
     let program = words.next().unwrap_or("vi");
     let advice = "set EDITOR to the editor you like, as in EDITOR=nano";
-    let status = Command::new(program)
-        .args(words)
-        .arg(path)
-        .status()
-        .map_err(|error| Failure::new(format!("cannot start the editor {editor:?}: {error}")).hint(advice))?;
+    let status = Command::new(program).args(words).arg(path).status().map_err(|error| {
+        Failure::new(format!("cannot start the editor {editor:?}: {error}")).hint(advice)
+    })?;
     if status.success() {
         Ok(())
     } else {

@@ -47,7 +47,11 @@ impl Cmd {
         if context.style.json {
             json_line(out, &actions)?;
         } else if actions.is_empty() {
-            writeln!(out, "no action{}", self.tag.map_or(String::new(), |tag| format!(" has the tag {tag}")))?;
+            writeln!(
+                out,
+                "no action{}",
+                self.tag.map_or(String::new(), |tag| format!(" has the tag {tag}"))
+            )?;
         } else {
             let mut table = Table::new(&["name", "version", "lasts", "tags", "description"]);
             for action in &actions {

@@ -32,7 +32,11 @@ impl Cmd {
     ) -> Result<Status> {
         for name in &self.names {
             registry.remove(name)?;
-            context.style.answer(out, &serde_json::json!({"removed": name}), format_args!("removed {name}"))?;
+            context.style.answer(
+                out,
+                &serde_json::json!({"removed": name}),
+                format_args!("removed {name}"),
+            )?;
         }
         Ok(Status::Done)
     }

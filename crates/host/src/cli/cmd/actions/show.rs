@@ -64,7 +64,12 @@ impl Cmd {
         Ok(Status::Done)
     }
 
-    fn show_history(&self, context: &Context, registry: &Registry, out: &mut impl Write) -> Result<Status> {
+    fn show_history(
+        &self,
+        context: &Context,
+        registry: &Registry,
+        out: &mut impl Write,
+    ) -> Result<Status> {
         let versions = registry.history(&self.name)?;
         if context.style.json {
             json_line(out, &versions)?;

@@ -64,6 +64,9 @@ mod tests {
 
     #[test]
     fn seconds_are_rounded_to_tenths() {
-        assert_eq!([0, 49, 50, 949, 950, 12_340].map(seconds), ["0.0 s", "0.0 s", "0.1 s", "0.9 s", "1.0 s", "12.3 s"]);
+        assert_eq!(
+            [0, 49, 50, 949, 950, 12_340].map(seconds),
+            ["0.0 s", "0.0 s", "0.1 s", "0.9 s", "1.0 s", "12.3 s"]
+        );
     }
 }

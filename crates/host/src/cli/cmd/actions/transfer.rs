@@ -100,13 +100,18 @@ pub(super) fn tell_import(
     out: &mut impl Write,
     report: &ImportReport,
 ) -> Result<Status> {
-    let parts = [("added", &report.added), ("new version of", &report.replaced), ("unchanged", &report.unchanged)];
+    let parts = [
+        ("added", &report.added),
+        ("new version of", &report.replaced),
+        ("unchanged", &report.unchanged),
+    ];
     let lines: Vec<String> = parts
         .iter()
         .filter(|(_, names)| !names.is_empty())
         .map(|(what, names)| format!("{what} {}", names.join(", ")))
         .collect();
-    let text = if lines.is_empty() { "the text has no action".to_owned() } else { lines.join("\n") };
+    let text =
+        if lines.is_empty() { "the text has no action".to_owned() } else { lines.join("\n") };
     context.style.answer(out, report, text)?;
     Ok(if lines.is_empty() { Status::Refused } else { Status::Done })
 }

@@ -44,7 +44,12 @@ impl Places {
         for folder in folder.into_iter().chain(stages) {
             fs::create_dir_all(folder).map_err(|error| Failure::file("make", folder, &error))?;
         }
-        Ok(Self { names: names(images), stems: stems(images), annotated, stages: stages.map(Path::to_owned) })
+        Ok(Self {
+            names: names(images),
+            stems: stems(images),
+            annotated,
+            stages: stages.map(Path::to_owned),
+        })
     }
 
     /// What the picture is called in answers.
@@ -96,7 +101,9 @@ impl Annotated {
 
 fn names(images: &[PathBuf]) -> Vec<String> {
     let file_name = |path: &Path| {
-        path.file_name().map_or_else(|| path.to_string_lossy(), |name| name.to_string_lossy()).into_owned()
+        path.file_name()
+            .map_or_else(|| path.to_string_lossy(), |name| name.to_string_lossy())
+            .into_owned()
     };
     let times = count(images.iter().map(|path| file_name(path)));
     let name = |path: &PathBuf| {

@@ -75,6 +75,13 @@ pub(crate) struct AxisRange {
     greatest_px: f32,
 }
 
+impl AxisRange {
+    /// The least and the greatest, in pixels.
+    pub(crate) const fn limits(self) -> (f32, f32) {
+        (self.least_px, self.greatest_px)
+    }
+}
+
 impl FromStr for AxisRange {
     type Err = String;
 
@@ -94,13 +101,15 @@ impl Tuning {
         });
         let hough = &mut options.hough;
         if let Some(range) = self.semi_major {
-            (hough.semi_major_min_px, hough.semi_major_max_px) = (range.least_px, range.greatest_px);
+            (hough.semi_major_min_px, hough.semi_major_max_px) =
+                (range.least_px, range.greatest_px);
             // A semi-minor axis is at most the semi-major one; a range given for it is taken as it is.
             hough.semi_minor_max_px = hough.semi_minor_max_px.min(range.greatest_px);
             hough.semi_minor_min_px = hough.semi_minor_min_px.min(hough.semi_minor_max_px);
         }
         if let Some(range) = self.semi_minor {
-            (hough.semi_minor_min_px, hough.semi_minor_max_px) = (range.least_px, range.greatest_px);
+            (hough.semi_minor_min_px, hough.semi_minor_max_px) =
+                (range.least_px, range.greatest_px);
         }
         set(&mut hough.pairs_per_edge_point, self.pairs);
         set(&mut hough.bin_width_px, self.bin);
@@ -110,7 +119,11 @@ impl Tuning {
         set(&mut options.cluster.members_min, self.members);
         set(&mut options.noise, self.noise.map(NoiseName::reduction));
         Detector::new(options).map_err(|error| {
-            Failure::from_error(&error).hint(format!("{} is set by {}", error.field, flag(error.field)))
+            Failure::from_error(&error).hint(format!(
+                "{} is set by {}",
+                error.field,
+                flag(error.field)
+            ))
         })
     }
 }

@@ -1,0 +1,92 @@
+//! `rsapien do`: motion primitives.
+
+use std::io::Write;
+
+use clap::Args;
+use rsapien_registry::{ActionDraft, ActionStep, CompileOptions, compile};
+
+use crate::cli::context::Context;
+use crate::cli::diagnostics::{Failure, Result};
+use crate::cli::exit::Status;
+use crate::cli::performance;
+use crate::cli::robot::{self, PaceOptions};
+
+/// Run motion primitives, step after step
+///
+/// A step is PRIMITIVE[+PRIMITIVE...][:MS]: names or numbers of the paper's Table 1 that start together, and how long
+/// the step lasts, 1 to 65535 ms; 1000 when not given, in which every joint travels from end to end. pause:MS waits;
+/// *TIMES behind a step repeats it. Every step is checked before anything moves.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rsapien do right-arm-up
+  rsapien do right-arm-up+left-arm-up:800 pause:500 right-arm-down+left-arm-down
+  rsapien do 13:500 15:500 14
+  rsapien actions list --primitives       names and numbers")]
+pub(crate) struct Cmd {
+    /// Steps in their order
+    #[arg(value_name = "STEP", required = true)]
+    steps: Vec<String>,
+
+    #[command(flatten)]
+    pace: PaceOptions,
+}
+
+impl Cmd {
+    pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
+        let steps = (1..)
+            .zip(&self.steps)
+            .map(|(number, text)| {
+                step(text).map_err(|failure| failure.within(&format!("step {number} ({text})")))
+            })
+            .collect::<Result<Vec<ActionStep>>>()?;
+        let draft = ActionDraft::new("steps", steps);
+        let compiled = compile(&draft, &[], CompileOptions::default())?;
+        let open = robot::open(context, "do", self.pace)?;
+        let mut motion = open.ready_motion(context, out)?;
+        performance::play(context, out, &open, &mut motion, "done", &compiled.steps)
+    }
+}
+
+/// The step that a text means; the name of an action means none here.
+fn step(text: &str) -> Result<ActionStep> {
+    let refused = |problem: rsapien_registry::Problem| Failure::new(problem.to_string());
+    let step = ActionStep::parse_short(text).map_err(refused)?;
+    match step.played() {
+        None => Ok(step),
+        Some(name) => {
+            // Read as a primitive, the word gets the advice that a primitive's name would.
+            let problem = ActionStep::parse_short(&format!("{name}:1")).err();
+            let message = problem.map_or_else(
+                || format!("{name:?} is no motion primitive"),
+                |problem| problem.to_string(),
+            );
+            Err(Failure::new(message).hint(format!(
+                "rsapien actions list --primitives lists them; if it is an action: rsapien play {name}"
+            )))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_step_is_refused_with_the_reason() {
+        for (text, reason) in [
+            ("wave", "no motion primitive"),
+            ("right-arm-upp", "right-arm-up"),
+            ("22", "22"),
+            ("1+2", "right-arm-up and right-arm-front"),
+            ("1+1", "twice"),
+            ("right-arm-up:0", "0 ms"),
+            ("right-arm-up:70000", "70000 ms"),
+            ("", "\"\""),
+        ] {
+            let message = step(text).unwrap_err().to_string();
+            assert!(message.contains(reason), "{text}: {message}");
+        }
+        assert!(step("1+16:250").is_ok() && step("pause:20").is_ok() && step("tilt-left").is_ok());
+    }
+}

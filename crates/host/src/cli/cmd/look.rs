@@ -1,0 +1,49 @@
+//! `rsapien look`: the pan/tilt head.
+
+use std::io::Write;
+
+use clap::Args;
+
+use crate::cli::context::Context;
+use crate::cli::diagnostics::Result;
+use crate::cli::exit::Status;
+use crate::cli::robot::{self, PaceOptions};
+use crate::cli::view;
+
+/// Turn the head, and wait until it is there
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rsapien look --pan 30 --tilt -10
+  rsapien look --pan 0 --tilt 0 --speed 20")]
+pub(crate) struct Cmd {
+    /// Degrees to the right of straight ahead, -90 to 90
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    pan: f64,
+
+    /// Degrees above straight ahead, -45 to 45
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    tilt: f64,
+
+    /// Degrees per second, 1 to 65535; as fast as the head can when not given
+    #[arg(long, value_name = "DEG_PER_S", value_parser = clap::value_parser!(u16).range(1..))]
+    speed: Option<u16>,
+
+    #[command(flatten)]
+    pace: PaceOptions,
+}
+
+impl Cmd {
+    pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
+        let open = robot::open(context, "look", self.pace)?;
+        let camera = open.ready_camera(context, out)?;
+        let report = open.done(camera.look(self.pan, self.tilt, self.speed.unwrap_or(0)))?;
+        let text = format!(
+            "the head looks {:.1} degrees right and {:.1} degrees up",
+            f64::from(report.pan_centideg) / 100.0,
+            f64::from(report.tilt_centideg) / 100.0
+        );
+        context.style.answer(out, &view::camera(&report), text)?;
+        Ok(Status::Done)
+    }
+}

@@ -1,0 +1,123 @@
+//! `rsapien sim`: the virtual robot for other programs.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use rsapien_sim::VirtualRobotConfig;
+use rsapien_sim::pace::Clock;
+use rsapien_sim::server::{Simulator, SimulatorConfig, SimulatorError};
+
+use crate::cli::context::Context;
+use crate::cli::diagnostics::{Failure, Result};
+use crate::cli::exit::Status;
+use crate::cli::signal::Interrupt;
+use crate::cli::world;
+
+/// Run the virtual robot for other programs, until Ctrl-C
+///
+/// Both controllers are on one line, as on the robot: on a pseudo-terminal (--pty), on TCP (--tcp), or both. The control
+/// socket lets tests press bumpers, pull the cable, drain the battery, read motors and joints and fetch the picture;
+/// it stands at LINK.control unless --control names another place. Same seed, same robot.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rsapien sim --pty /tmp/robot            then, elsewhere: rsapien --link /tmp/robot state
+  rsapien sim --tcp 7000                  then, elsewhere: rsapien --link tcp://127.0.0.1:7000 init
+  echo '{\"press\":\"left-hand\"}' | nc -U /tmp/robot.control")]
+pub(crate) struct Cmd {
+    /// Make LINK a symbolic link to a pseudo-terminal that speaks as the robot's serial port does
+    #[arg(long, value_name = "LINK")]
+    pty: Option<PathBuf>,
+
+    /// Listen on HOST:PORT or PORT; loopback unless told otherwise; port 0 takes a free one
+    #[arg(long, value_name = "ADDRESS")]
+    tcp: Option<String>,
+
+    /// Where the control channel's Unix socket stands
+    #[arg(long, value_name = "SOCKET")]
+    control: Option<PathBuf>,
+
+    /// Offer the control channel on TCP, too
+    #[arg(long, value_name = "ADDRESS")]
+    control_tcp: Option<String>,
+
+    /// Allow addresses that other machines reach; nobody is asked for a password there
+    #[arg(long)]
+    allow_remote: bool,
+
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    #[arg(long, value_name = "NAME|FILE", default_value = "demo", help = world::HELP)]
+    world: String,
+
+    /// Let virtual time pass as fast as it goes, instead of one second a second. Who speaks to the robot then has to be
+    /// quick, or to switch its dead-man off
+    #[arg(long)]
+    fast: bool,
+}
+
+impl Cmd {
+    pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
+        let interrupt = Interrupt::install()?;
+        let simulator = Simulator::start(SimulatorConfig {
+            robot: VirtualRobotConfig {
+                seed: self.seed,
+                world: world::named(&self.world, self.seed)?,
+                baud: context.baud,
+                ..VirtualRobotConfig::default()
+            },
+            pty: self.pty,
+            tcp: self.tcp,
+            control: self.control,
+            control_tcp: self.control_tcp,
+            allow_remote: self.allow_remote,
+            clock: if self.fast { Clock::Free } else { Clock::default() },
+        })?;
+        tell(context, out, &simulator)?;
+        interrupt.wait_for_end();
+        simulator.stop();
+        Ok(Status::Done)
+    }
+}
+
+fn tell(context: &Context, out: &mut impl Write, simulator: &Simulator) -> Result<()> {
+    let links: Vec<String> = simulator
+        .link()
+        .map(|link| link.display().to_string())
+        .into_iter()
+        .chain(simulator.tcp_address().map(|address| format!("tcp://{address}")))
+        .collect();
+    let answer = serde_json::json!({
+        "links": links,
+        "terminal": simulator.terminal(),
+        "control": simulator.control_path(),
+        "control_tcp": simulator.control_tcp_address(),
+    });
+    let mut lines = vec!["the virtual robot runs until Ctrl-C".to_owned()];
+    for link in &links {
+        lines.push(format!("  link     {link}        try: rsapien --link {link} state"));
+    }
+    if let Some(path) = simulator.control_path() {
+        lines.push(format!("  control  {}", path.display()));
+    }
+    if let Some(address) = simulator.control_tcp_address() {
+        lines.push(format!("  control  tcp://{address}"));
+    }
+    context.style.answer(out, &answer, lines.join("\n"))
+}
+
+impl From<SimulatorError> for Failure {
+    fn from(error: SimulatorError) -> Self {
+        let failure = Self::from_error(&error);
+        match error {
+            SimulatorError::NoEndpoint => {
+                failure.hint("give --pty LINK or --tcp ADDRESS, as in rsapien sim --pty /tmp/robot")
+            }
+            SimulatorError::NotLoopback { .. } => failure.hint("--allow-remote allows it"),
+            _ => failure,
+        }
+    }
+}

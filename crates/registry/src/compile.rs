@@ -161,19 +161,19 @@ impl Expansion<'_> {
         let mut plays = self.graph.nodes[index].plays.iter();
         let draft = self.drafts[index];
         for (number, step) in (1..).zip(&draft.steps) {
-            let outer_step = Some(outer_step.unwrap_or(number));
+            let outer_step = outer_step.unwrap_or(number);
             match step {
                 ActionStep::Play { times, .. } => {
                     let Some(play) = plays.next() else { continue };
                     for _ in 0..*times {
-                        self.expand(play.node, round, outer_step);
+                        self.expand(play.node, round, Some(outer_step));
                     }
                 }
                 ActionStep::Move { pose, duration_ms, ending_bumpers, times } => {
                     let source = StepSource {
                         action: self.names[index].clone(),
                         step: number,
-                        outer_step: outer_step.unwrap_or(number),
+                        outer_step,
                         round,
                     };
                     for _ in 0..*times {
@@ -194,3 +194,6 @@ impl Expansion<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -66,9 +66,10 @@ pub(crate) struct TomlActions {
 impl TomlActions {
     /// As of [`read_toml`].
     pub(crate) fn read(text: &str) -> Result<TomlActions, Findings> {
+        let text_lines = Lines::of(text);
         let file: FileForm = toml::from_str(text).map_err(|error| {
             // Where something is missing at the end, the place is the end of the text.
-            let line = error.span().map(|span| line_of(text, &span));
+            let line = error.span().map(|span| text_lines.line_of(&span));
             let message = error.message().trim().replace('\n', "; ");
             let problem = Problem::Toml { message };
             Findings(vec![Finding { line, action: None, step: None, problem }])
@@ -76,13 +77,13 @@ impl TomlActions {
         let mut actions = TomlActions { drafts: Vec::new(), lines: BTreeMap::new() };
         let mut findings = Vec::new();
         for mut form in file.action {
-            let line = line_of(text, &form.name.span());
+            let line = text_lines.line_of(&form.name.span());
             let name = form.name.get_ref().clone();
             let mut steps = Vec::new();
             let mut step_lines = Vec::new();
             let mut own_findings = Vec::new();
             for (number, step) in (1..).zip(std::mem::take(&mut form.steps)) {
-                step_lines.push(line_of(text, &step.span()));
+                step_lines.push(text_lines.line_of(&step.span()));
                 steps.push(step.into_inner().read().unwrap_or_else(|problem| {
                     own_findings.push(Finding::of(&name, Some(number), problem));
                     // Stands in for the step so that the others keep their numbers.
@@ -117,9 +118,22 @@ impl TomlActions {
     }
 }
 
-fn line_of(text: &str, span: &Range<usize>) -> usize {
-    let before = text.as_bytes().get(..span.start).unwrap_or(text.as_bytes());
-    1 + before.iter().filter(|byte| **byte == b'\n').count()
+/// Where the lines of a text begin.
+struct Lines {
+    begins: Vec<usize>,
+}
+
+impl Lines {
+    fn of(text: &str) -> Lines {
+        let behind_ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        let begins = std::iter::once(0).chain(behind_ends.map(|(end, _)| end + 1));
+        Lines { begins: begins.collect() }
+    }
+
+    /// The line in which `span` begins, from 1.
+    fn line_of(&self, span: &Range<usize>) -> usize {
+        self.begins.partition_point(|begin| *begin <= span.start)
+    }
 }
 
 fn write_action(text: &mut String, draft: &ActionDraft) {
@@ -165,3 +179,6 @@ fn list(words: &[String]) -> String {
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,1 +1,30 @@
-//! To be written.
+//! The Python module: conversion between Python and the crates, and nothing else.
+
+mod detect;
+mod errors;
+mod registry;
+mod robot;
+mod state;
+mod waiting;
+
+use pyo3::prelude::*;
+use std::ffi::OsString;
+
+/// Runs the `rsapien` command with `arguments`, its name first, and returns its exit status.
+#[pyfunction]
+fn run_command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| rsapien::cli::main(arguments))
+}
+
+#[pymodule]
+fn _rsapien(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<detect::PyDetection>()?;
+    module.add_class::<detect::PyEllipse>()?;
+    module.add_class::<registry::PyRegistry>()?;
+    module.add_class::<robot::PyOutcome>()?;
+    module.add_class::<robot::PyRobot>()?;
+    module.add_function(wrap_pyfunction!(detect::detect, module)?)?;
+    module.add_function(wrap_pyfunction!(run_command, module)?)?;
+    errors::register(module)
+}

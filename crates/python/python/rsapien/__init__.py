@@ -1,0 +1,50 @@
+"""A toy humanoid as a laboratory robot, and an ellipse detector.
+
+``Robot`` is the robot, real or virtual; ``Registry`` its actions; ``detect`` finds ellipses in a numpy
+array. Every error is a ``RsapienError``, but for wrong types and values, which are ``TypeError`` and
+``ValueError`` as usual.
+"""
+
+from rsapien._rsapien import (
+    ActionRefused,
+    BadReport,
+    ControllerHeld,
+    Detection,
+    Ellipse,
+    LinkError,
+    LinkTimeout,
+    MotionInterrupted,
+    Outcome,
+    OutcomeUnknown,
+    Registry,
+    RegistryError,
+    RegistryTooNew,
+    Robot,
+    RobotRefused,
+    RsapienError,
+    UnknownAction,
+    __version__,
+    detect,
+)
+
+__all__ = [
+    "ActionRefused",
+    "BadReport",
+    "ControllerHeld",
+    "Detection",
+    "Ellipse",
+    "LinkError",
+    "LinkTimeout",
+    "MotionInterrupted",
+    "Outcome",
+    "OutcomeUnknown",
+    "Registry",
+    "RegistryError",
+    "RegistryTooNew",
+    "Robot",
+    "RobotRefused",
+    "RsapienError",
+    "UnknownAction",
+    "__version__",
+    "detect",
+]

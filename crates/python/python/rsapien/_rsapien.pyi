@@ -1,0 +1,252 @@
+"""The compiled module. Import from ``rsapien``."""
+
+from collections.abc import Callable, Iterator, Sequence
+from os import PathLike
+from types import TracebackType
+from typing import Any, Literal, Optional, TypedDict, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+
+class RsapienError(Exception):
+    """What every error of this module is."""
+
+class LinkError(RsapienError):
+    """The link cannot be opened, or was lost."""
+
+class LinkTimeout(LinkError):
+    """The robot does not answer."""
+
+class RobotRefused(RsapienError):
+    """A controller said no."""
+
+    status: int
+    """Its status: 2 bad argument, 6 held, 9 not initialised, … (SPEC.md)."""
+
+class ControllerHeld(RsapienError):
+    """Another holder has the controller."""
+
+class MotionInterrupted(RsapienError):
+    """What was under way ended early."""
+
+class OutcomeUnknown(RsapienError):
+    """Whether the robot did it is unknown."""
+
+class BadReport(RsapienError):
+    """A report this version does not understand."""
+
+class RegistryError(RsapienError):
+    """The registry could not do it."""
+
+class RegistryTooNew(RegistryError):
+    """A newer program wrote the registry."""
+
+class UnknownAction(RegistryError):
+    """The registry has no such action."""
+
+class ActionRefused(RegistryError):
+    """An action that is wrong; the text says where."""
+
+class Ellipse:
+    """An ellipse found in a picture: pixel centres at integers, y down."""
+
+    @property
+    def center(self) -> tuple[float, float]:
+        """x and y of the centre, in pixels."""
+    @property
+    def semi_major(self) -> float:
+        """Half of the major axis, in pixels."""
+    @property
+    def semi_minor(self) -> float:
+        """Half of the minor axis, in pixels; not above ``semi_major``."""
+    @property
+    def theta(self) -> float:
+        """Angle of the major axis from +x towards +y, in radians."""
+    @property
+    def quality(self) -> int:
+        """The paper's ellipse quality: edge points on the contour."""
+    def contains(self, x: float, y: float) -> bool:
+        """Whether a point of the picture lies inside."""
+    def __iter__(self) -> Iterator[float]:
+        """Centre x, centre y, semi-major, semi-minor, theta."""
+
+class Statistics(TypedDict):
+    """The columns of the paper's Table 3."""
+
+    edge_points: int
+    search_point_pairs: int
+    virtual_ellipses: int
+    real_ellipses: int
+    quality_min: int
+
+class Detection(Sequence[Ellipse]):
+    """What a detection found."""
+
+    @property
+    def ellipses(self) -> list[Ellipse]: ...
+    @property
+    def statistics(self) -> Statistics: ...
+    @property
+    def truncated(self) -> bool:
+        """Whether a limit was met, so that there may be more."""
+    @property
+    def milliseconds(self) -> float:
+        """What the detection took."""
+    def to_array(self) -> NDArray[np.float64]:
+        """Shape (n, 5): centre x, centre y, semi-major, semi-minor, theta."""
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int) -> Ellipse: ...  # type: ignore[override]
+
+def detect(
+    image: NDArray[np.uint8],
+    *,
+    preset: Literal["paper"] = "paper",
+    seed: int = 0,
+    semi_major: Optional[tuple[float, float]] = None,
+    semi_minor: Optional[tuple[float, float]] = None,
+    quality: Optional[int] = None,
+    distance: Optional[float] = None,
+) -> Detection:
+    """Finds ellipses.
+
+    ``image`` has shape (height, width), or (height, width, 3 or 4) for RGB or RGBA. A C-contiguous grey
+    picture is not copied; do not write to it meanwhile, since other threads run during a detection.
+    ``semi_major`` and ``semi_minor`` are the least and greatest semi-axes in pixels, ``quality`` the
+    least number of edge points on a contour, ``distance`` the clusters' similarity threshold. The same
+    seed gives the same ellipses.
+
+    Raises ``TypeError`` for another kind of array and ``ValueError`` for a value out of its range.
+    """
+
+class ActionSummary(TypedDict):
+    name: str
+    description: str
+    tags: list[str]
+    step_count: int
+    duration_ms: int
+    version: int
+
+class VersionSummary(TypedDict):
+    version: int
+    changed_ms: int
+    description: str
+    step_count: int
+
+class ImportReport(TypedDict):
+    added: list[str]
+    replaced: list[str]
+    unchanged: list[str]
+
+class Registry:
+    """RoboRegistry: the motion primitives and actions."""
+
+    def __new__(cls, path: Union[str, PathLike[str]]) -> Registry:
+        """Opens the file, or makes it with the actions that come with the robot."""
+    @staticmethod
+    def in_memory() -> Registry:
+        """A registry of its own with the actions that come with the robot."""
+    @staticmethod
+    def primitives() -> list[str]:
+        """The 21 motion primitives, in the order of the paper's Table 1."""
+    @property
+    def path(self) -> Any: ...
+    def actions(self) -> list[ActionSummary]:
+        """Every action, by name."""
+    def steps(self, name: str, *, times: int = 1, speed: float = 1.0) -> list[tuple[list[str], int]]:
+        """The action as the robot plays it: primitives that start together, and a duration in ms."""
+    def import_toml(self, text: str, *, replace: bool = False) -> ImportReport:
+        """Stores the actions of a TOML text, all or none; ``replace`` makes new versions of known ones."""
+    def export_toml(self, *names: str) -> str:
+        """The actions named, with those they play; all of them when none is named."""
+    def check_toml(self, text: str) -> list[str]:
+        """What ``import_toml`` would find wrong."""
+    def remove(self, name: str) -> None: ...
+    def history(self, name: str) -> list[VersionSummary]: ...
+
+class State(TypedDict):
+    time_ms: int
+    mode: str
+    bumpers: list[str]
+    presses: dict[str, int]
+    motors: list[str]
+    positions: dict[str, Optional[str]]
+    queue_free: int
+    steps_ended: int
+    supply_low: bool
+    boot: int
+    cause: str
+    pan: Optional[float]
+    tilt: Optional[float]
+
+class Outcome:
+    """How an action ended."""
+
+    @property
+    def kind(self) -> Literal["done", "refused", "interrupted", "unknown"]: ...
+    @property
+    def text(self) -> str:
+        """What happened, in words."""
+    @property
+    def steps_ended(self) -> int: ...
+    @property
+    def steps_total(self) -> int: ...
+    @property
+    def elapsed_ms(self) -> int: ...
+    def __bool__(self) -> bool:
+        """Whether it was done."""
+
+class Robot:
+    """The robot, real or virtual. Use it in a ``with``: leaving it stops the motors and lets go.
+
+    A robot holds the controllers it uses (motion, camera, sensors) until it is closed; another holder
+    is refused with ``ControllerHeld``. Ctrl-C during a call stops the motors first.
+    """
+
+    @staticmethod
+    def open(link: str = "auto", *, baud: int = 57600) -> Robot:
+        """``auto``, ``/dev/ttyUSB0``, ``COM3``, ``tcp://host:port`` or ``virtual``."""
+    @staticmethod
+    def virtual(*, seed: int = 0, world: str = "demo", fast: bool = False) -> Robot:
+        """A virtual robot of its own; ``fast`` runs on a virtual clock."""
+    @property
+    def link(self) -> str: ...
+    def init(self) -> None:
+        """Robot initialisation: every joint is driven to its middle position."""
+    def state(self) -> State:
+        """Asks the robot now. Angles in degrees, pan right and tilt up positive."""
+    def do(self, *steps: str) -> Outcome:
+        """Steps as on the command line: ``do("right-arm-up+tilt-left:500", "tilt-mid", "wave")``.
+
+        A step lasts 1000 ms where it does not say otherwise.
+        """
+    def play(
+        self,
+        action: str,
+        *,
+        times: int = 1,
+        speed: float = 1.0,
+        registry: Optional[Registry] = None,
+        on_progress: Optional[Callable[[int, int], object]] = None,
+    ) -> Outcome:
+        """Plays an action of the registry (without one: of those that come with the robot)."""
+    def look(self, pan: float, tilt: float, *, speed: int = 0) -> tuple[float, float]:
+        """Turns the head, waits until it is there and returns pan and tilt in degrees."""
+    def snapshot(self) -> NDArray[np.uint8]:
+        """What the camera sees: shape (height, width, 3), RGB. The virtual robot's only."""
+    def stop(self) -> None:
+        """All motors off, now."""
+    def sleep(self, ms: int) -> None:
+        """Waits on the robot's clock."""
+    def close(self) -> None: ...
+    def __enter__(self) -> Robot: ...
+    def __exit__(
+        self,
+        kind: Optional[type[BaseException]],
+        error: Optional[BaseException],
+        traceback: Optional[TracebackType],
+    ) -> None: ...
+
+def run_command(arguments: Sequence[str]) -> int:
+    """Runs the ``rsapien`` command and returns its exit status."""

@@ -1,0 +1,298 @@
+//! `Robot`: the robot from Python.
+
+use crate::errors::{robot_error, value_error};
+use crate::registry::PyRegistry;
+use crate::state::state_dict;
+use crate::waiting;
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rsapien::link::virtual_robot::Pace;
+use rsapien::protocol::{Mode, Step};
+use rsapien::sim::world::World;
+use rsapien::{
+    CameraController, CancelToken, Error, LinkAddress, MotionController, Outcome, PlayOptions,
+    PlayReport, Robot, RobotOptions, SensorsController, StopHandle,
+};
+use rsapien_registry::ActionStep;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What is held of the robot while it is open; the controllers are taken when they are first used.
+struct Open {
+    robot: Robot,
+    motion: Option<MotionController>,
+    camera: Option<CameraController>,
+    sensors: Option<SensorsController>,
+}
+
+impl Open {
+    fn motion(&mut self) -> Result<&mut MotionController, Error> {
+        if self.motion.is_none() {
+            self.motion = Some(self.robot.motion()?);
+        }
+        self.motion.as_mut().ok_or(Error::Closed)
+    }
+
+    fn camera(&mut self) -> Result<&mut CameraController, Error> {
+        if self.camera.is_none() {
+            self.camera = Some(self.robot.camera()?);
+        }
+        self.camera.as_mut().ok_or(Error::Closed)
+    }
+
+    fn sensors(&mut self) -> Result<&mut SensorsController, Error> {
+        if self.sensors.is_none() {
+            self.sensors = Some(self.robot.sensors()?);
+        }
+        self.sensors.as_mut().ok_or(Error::Closed)
+    }
+}
+
+/// The robot, real or virtual.
+#[pyclass(name = "Robot", module = "rsapien", frozen)]
+pub(crate) struct PyRobot {
+    open: Mutex<Option<Open>>,
+    /// Ends what is under way in another thread; renewed with each call.
+    cancel: Mutex<CancelToken>,
+    stop: StopHandle,
+    link: String,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl PyRobot {
+    fn start(py: Python<'_>, address: &LinkAddress, options: RobotOptions) -> PyResult<PyRobot> {
+        let robot = py.detach(|| Robot::open(address, options)).map_err(robot_error)?;
+        Ok(PyRobot {
+            stop: robot.stop_handle(),
+            link: robot.link_name().to_owned(),
+            cancel: Mutex::new(CancelToken::new()),
+            open: Mutex::new(Some(Open { robot, motion: None, camera: None, sensors: None })),
+        })
+    }
+
+    /// Runs a request beside Python, with a fresh token.
+    fn run<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        on_progress: Option<Py<PyAny>>,
+        work: impl FnOnce(
+            &mut Open,
+            &CancelToken,
+            Box<dyn FnMut(waiting::ProgressTold) + Send>,
+        ) -> Result<T, Error>
+        + Send,
+    ) -> PyResult<T> {
+        let token = CancelToken::new();
+        *locked(&self.cancel) = token.clone();
+        waiting::run(py, &token, &self.stop, on_progress, |progress| {
+            let mut open = locked(&self.open);
+            work(open.as_mut().ok_or(Error::Closed)?, &token, progress)
+        })
+    }
+
+    fn play_steps(
+        &self,
+        py: Python<'_>,
+        steps: &[Step],
+        on_progress: Option<Py<PyAny>>,
+    ) -> PyResult<PyOutcome> {
+        let report = self.run(py, on_progress, |open, token, mut progress| {
+            let mut options = PlayOptions {
+                cancel: token.clone(),
+                on_progress: Some(Box::new(move |told| {
+                    progress((told.steps_ended, told.steps_total))
+                })),
+                ..PlayOptions::default()
+            };
+            open.motion()?.play(steps, &mut options)
+        })?;
+        Ok(PyOutcome { report })
+    }
+}
+
+#[pymethods]
+impl PyRobot {
+    #[staticmethod]
+    #[pyo3(signature = (link="auto", *, baud=57_600))]
+    fn open(py: Python<'_>, link: &str, baud: u32) -> PyResult<PyRobot> {
+        let address: LinkAddress = link.parse().map_err(robot_error)?;
+        let options = RobotOptions { baud, ..RobotOptions::for_user("python") };
+        PyRobot::start(py, &address, options)
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (*, seed=0, world="demo", fast=false))]
+    fn r#virtual(py: Python<'_>, seed: u64, world: &str, fast: bool) -> PyResult<PyRobot> {
+        let mut options = RobotOptions::new("python");
+        options.virtual_robot.pace = if fast { Pace::Fast } else { Pace::Real };
+        options.virtual_robot.config.seed = seed;
+        options.virtual_robot.config.world = World::named(world).map_err(value_error)?;
+        PyRobot::start(py, &LinkAddress::Virtual, options)
+    }
+
+    #[getter]
+    fn link(&self) -> &str {
+        &self.link
+    }
+
+    fn init(&self, py: Python<'_>) -> PyResult<()> {
+        self.run(py, None, |open, token, _| open.motion()?.init_unless(token).map(|_| ()))
+    }
+
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let state = self.run(py, None, |open, _, _| {
+            let sensed = open.sensors()?.refresh()?;
+            match open.camera() {
+                Ok(camera) => camera.refresh(),
+                // A robot without its camera head still has a state.
+                Err(Error::NoAnswer { .. }) => Ok(sensed),
+                Err(error) => Err(error),
+            }
+        })?;
+        state_dict(py, &state)
+    }
+
+    #[pyo3(signature = (*steps))]
+    fn r#do(&self, py: Python<'_>, steps: Vec<String>) -> PyResult<PyOutcome> {
+        let parsed: Result<Vec<_>, _> =
+            steps.iter().map(|text| ActionStep::parse_short(text)).collect();
+        let compiled = PyRegistry::in_memory()?.compile_steps(parsed.map_err(value_error)?)?;
+        self.play_steps(py, &compiled.steps, None)
+    }
+
+    #[pyo3(signature = (action, *, times=1, speed=1.0, registry=None, on_progress=None))]
+    fn play(
+        &self,
+        py: Python<'_>,
+        action: &str,
+        times: u16,
+        speed: f64,
+        registry: Option<&PyRegistry>,
+        on_progress: Option<Py<PyAny>>,
+    ) -> PyResult<PyOutcome> {
+        let compiled = match registry {
+            Some(registry) => registry.compile(action, times, speed)?,
+            None => PyRegistry::in_memory()?.compile(action, times, speed)?,
+        };
+        self.play_steps(py, &compiled.steps, on_progress)
+    }
+
+    #[pyo3(signature = (pan, tilt, *, speed=0))]
+    fn look(&self, py: Python<'_>, pan: f64, tilt: f64, speed: u16) -> PyResult<(f64, f64)> {
+        let report = self.run(py, None, |open, _, _| {
+            let camera = open.camera()?;
+            let mode = camera.refresh()?.camera_report().map(|report| report.mode);
+            if mode == Some(Mode::Fresh) {
+                camera.home()?;
+            }
+            camera.look(pan, tilt, speed)
+        })?;
+        Ok((f64::from(report.pan_centideg) / 100.0, f64::from(report.tilt_centideg) / 100.0))
+    }
+
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let picture = self.run(py, None, |open, _, _| {
+            let robot = open.robot.virtual_robot().ok_or(Error::NotOnThisLink {
+                what: "only the virtual robot has a camera of its own: read a webcam with a library such as OpenCV",
+            })?;
+            let view = robot.lock().unwrap_or_else(PoisonError::into_inner).view();
+            Ok(view.picture())
+        })?;
+        let shape = [picture.height as usize, picture.width as usize, 3];
+        PyArray1::from_vec(py, picture.rgb).reshape(shape)
+    }
+
+    fn stop(&self, py: Python<'_>) -> PyResult<()> {
+        py.detach(|| self.stop.stop()).map_err(robot_error)
+    }
+
+    fn sleep(&self, py: Python<'_>, ms: u64) -> PyResult<()> {
+        self.run(py, None, |open, _, _| open.robot.sleep_ms(ms))
+    }
+
+    fn close(&self, py: Python<'_>) {
+        locked(&self.cancel).cancel();
+        py.detach(|| {
+            if let Some(open) = locked(&self.open).take() {
+                // Controllers that are dropped while motors run stop them; this is for the case that
+                // another program moves the robot, which leaving a `with` ends as well.
+                let is_moving =
+                    open.motion.as_ref().is_some_and(|motion| motion.state().is_moving());
+                if is_moving {
+                    let _ = self.stop.stop();
+                }
+            }
+        });
+    }
+
+    fn __enter__(slf: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        slf
+    }
+
+    #[pyo3(signature = (_kind=None, _error=None, _traceback=None))]
+    fn __exit__(
+        &self,
+        py: Python<'_>,
+        _kind: Option<&Bound<'_, PyAny>>,
+        _error: Option<&Bound<'_, PyAny>>,
+        _traceback: Option<&Bound<'_, PyAny>>,
+    ) {
+        self.close(py);
+    }
+
+    fn __repr__(&self) -> String {
+        let open = self.open.try_lock();
+        let closed = matches!(open.as_deref(), Ok(None));
+        format!("Robot({:?}{})", self.link, if closed { ", closed" } else { "" })
+    }
+}
+
+/// How an action ended.
+#[pyclass(name = "Outcome", module = "rsapien", frozen)]
+pub(crate) struct PyOutcome {
+    report: PlayReport,
+}
+
+#[pymethods]
+impl PyOutcome {
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.report.outcome {
+            Outcome::Done => "done",
+            Outcome::Refused { .. } => "refused",
+            Outcome::Interrupted { .. } => "interrupted",
+            Outcome::Unknown { .. } => "unknown",
+        }
+    }
+
+    #[getter]
+    fn text(&self) -> String {
+        self.report.to_string()
+    }
+
+    #[getter]
+    fn steps_ended(&self) -> usize {
+        self.report.steps_ended
+    }
+
+    #[getter]
+    fn steps_total(&self) -> usize {
+        self.report.steps_total
+    }
+
+    #[getter]
+    fn elapsed_ms(&self) -> u64 {
+        self.report.elapsed_ms
+    }
+
+    fn __bool__(&self) -> bool {
+        self.report.outcome.is_done()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Outcome({})", self.report)
+    }
+}

@@ -40,6 +40,8 @@
 //! `vision`, and `cli`, which brings the `rsapien` command and all of them.
 
 mod address;
+#[cfg(feature = "vision")]
+pub mod behaviour;
 #[cfg(feature = "cli")]
 pub mod cli;
 mod control;
@@ -65,5 +67,8 @@ pub use record::{PackageRecord, PackageSink};
 pub use robot::{Robot, RobotOptions, StopHandle};
 /// Bytes, packages, joints, primitives, steps, reports: the vocabulary of the link.
 pub use rsapien_protocol as protocol;
+/// The virtual robot: its world, its camera, its faults.
+#[cfg(feature = "virtual")]
+pub use rsapien_sim as sim;
 pub use state::{Interruption, LineCounts, LinkState, RobotState, Stamped};
 pub use stop::{StopOptions, StopReport, StopSeen, emergency_stop};

@@ -1,4 +1,5 @@
-//! RoboRegistry: the motion primitives and actions of the rsapien robot in SQLite.
+#![doc = include_str!("../README.md")]
+#![allow(clippy::doc_markdown, reason = "RoboRegistry and SQLite are names, not code")]
 
 mod action;
 mod check;

@@ -5,9 +5,11 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use rsapien_registry::{ActionDraft, ActionStep, Registry};
+use rsapien_registry::{
+    ActionDraft, ActionStep, BUSY_TIMEOUT_MS, CompileOptions, Registry, RegistryError,
+};
 use rusqlite::Connection;
 
 /// Tells a child which file it works on, and under which prefix it saves how many actions.
@@ -95,6 +97,26 @@ fn processes_write_at_once_from_the_first_open_on() {
     assert!(versions.into_iter().eq(1..=u32::try_from(CHILDREN).unwrap() * COUNT));
     assert_eq!(registry.history("wave").unwrap().len(), 1, "the seed library came once");
     check_integrity(&path);
+}
+
+#[test]
+fn a_writer_waits_and_a_reader_does_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("registry.sqlite");
+    drop(Registry::open(&path).unwrap());
+    let holder = Connection::open(&path).unwrap();
+    holder.execute_batch("BEGIN IMMEDIATE").unwrap();
+
+    let begun = Instant::now();
+    let mut registry = Registry::open(&path).unwrap();
+    assert!(registry.compile("wave", CompileOptions::default()).is_ok());
+    assert!(begun.elapsed() < Duration::from_millis(BUSY_TIMEOUT_MS), "reading waited");
+    let draft = ActionDraft::new("late", vec![ActionStep::pause(1)]);
+    let error = registry.save(&draft).unwrap_err();
+    assert!(matches!(error, RegistryError::Busy { waited_ms: BUSY_TIMEOUT_MS, .. }), "{error}");
+    assert!(begun.elapsed() >= Duration::from_millis(BUSY_TIMEOUT_MS));
+    holder.execute_batch("ROLLBACK").unwrap();
+    assert_eq!(registry.save(&draft).unwrap(), 1);
 }
 
 /// Steele, Lea and Flood's `SplitMix64`, enough to choose moments.

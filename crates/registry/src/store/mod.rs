@@ -306,7 +306,8 @@ impl Registry {
 
     /// One snapshot for all that a call reads.
     fn begin_read(&self) -> Result<Transaction<'_>, RegistryError> {
-        self.connection.unchecked_transaction().map_err(|error| self.place.error(error))
+        Transaction::new_unchecked(&self.connection, TransactionBehavior::Deferred)
+            .map_err(|error| self.place.error(error))
     }
 
     /// The right to write from the start, so that what was read stays true until the commit.

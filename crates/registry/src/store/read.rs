@@ -1,6 +1,6 @@
 //! Queries.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeSet, HashMap};
 
 use rsapien_protocol::{BumperMask, Pose, Primitive};
 use rusqlite::types::Type;
@@ -27,7 +27,7 @@ pub(super) struct KnownActions {
 
 pub(super) struct KnownRow {
     pub(super) id: i64,
-    /// Its duration is that of its own steps only.
+    /// Without its duration, which is measured in the graph.
     pub(super) summary: ActionSummary,
 }
 
@@ -192,41 +192,30 @@ pub(super) fn all_played(
 }
 
 pub(super) fn known_actions(connection: &Connection) -> Result<KnownActions, Error> {
+    let mut rows = known_rows(connection)?;
+    // Only looked up, never gone through.
+    let indices: HashMap<i64, usize> =
+        (0..).zip(&rows).map(|(index, row)| (row.id, index)).collect();
+    let mut nodes: Vec<Node> =
+        rows.iter().map(|row| Node { name: row.summary.name.clone(), ..Node::default() }).collect();
+
+    // Apart from the query of names and descriptions, which would be read again for every step.
     let mut statement = connection.prepare_cached(
-        "SELECT a.id, a.name, a.latest_version, a.created_ms, v.saved_ms, v.description, v.tags,
-                COUNT(*), SUM(IIF(s.duration_ms IS NULL, 0, s.times)),
+        "SELECT a.id, COUNT(*), SUM(IIF(s.duration_ms IS NULL, 0, s.times)),
                 SUM(IFNULL(s.duration_ms, 0) * s.times)
          FROM action AS a
-         JOIN action_version AS v ON v.action_id = a.id AND v.version = a.latest_version
          JOIN action_step AS s ON s.action_id = a.id AND s.version = a.latest_version
          WHERE a.removed_ms IS NULL
          GROUP BY a.id",
     )?;
-    let mut rows = statement.query([])?;
-    let mut known: Vec<(KnownRow, Size)> = Vec::new();
-    while let Some(row) = rows.next()? {
-        let (steps, duration_ms): (i64, i64) = (row.get(8)?, row.get(9)?);
-        let own =
+    let mut sums = statement.query([])?;
+    while let Some(sum) = sums.next()? {
+        let Some(index) = indices.get(&sum.get(0)?) else { continue };
+        rows[*index].summary.step_count = sum.get(1)?;
+        let (steps, duration_ms): (i64, i64) = (sum.get(2)?, sum.get(3)?);
+        nodes[*index].own =
             Size { steps: steps.unsigned_abs(), duration_ms: duration_ms.unsigned_abs(), depth: 0 };
-        let summary = ActionSummary {
-            name: row.get(1)?,
-            version: row.get(2)?,
-            created_ms: row.get(3)?,
-            changed_ms: row.get(4)?,
-            description: row.get(5)?,
-            tags: tags_of(row, 6)?,
-            step_count: row.get(7)?,
-            duration_ms: own.duration_ms,
-        };
-        known.push((KnownRow { id: row.get(0)?, summary }, own));
     }
-    known.sort_by(|(left, _), (right, _)| left.summary.name.cmp(&right.summary.name));
-    let indices: BTreeMap<i64, usize> =
-        (0..).zip(&known).map(|(index, (row, _))| (row.id, index)).collect();
-    let mut nodes: Vec<Node> = known
-        .iter()
-        .map(|(row, own)| Node { name: row.summary.name.clone(), own: *own, plays: Vec::new() })
-        .collect();
 
     let mut statement = connection.prepare_cached(
         "SELECT s.action_id, s.played_action_id, s.times, s.place
@@ -235,17 +224,41 @@ pub(super) fn known_actions(connection: &Connection) -> Result<KnownActions, Err
          WHERE s.played_action_id IS NOT NULL AND a.removed_ms IS NULL
          ORDER BY s.action_id, s.place",
     )?;
-    let mut rows = statement.query([])?;
-    while let Some(row) = rows.next()? {
-        let (user, played): (i64, i64) = (row.get(0)?, row.get(1)?);
+    let mut plays = statement.query([])?;
+    while let Some(play) = plays.next()? {
+        let (user, played): (i64, i64) = (play.get(0)?, play.get(1)?);
         // What plays a removed action cannot be stored, so both are known.
         if let (Some(user), Some(node)) = (indices.get(&user), indices.get(&played)) {
-            let step = usize::from(row.get::<_, u16>(3)?);
-            nodes[*user].plays.push(Play { node: *node, times: row.get(2)?, step });
+            let step = usize::from(play.get::<_, u16>(3)?);
+            nodes[*user].plays.push(Play { node: *node, times: play.get(2)?, step });
         }
     }
-    let rows = known.into_iter().map(|(row, _)| row).collect();
     Ok(KnownActions { rows, graph: Graph { nodes } })
+}
+
+/// Actions in force in alphabetical order, without what their steps tell.
+fn known_rows(connection: &Connection) -> Result<Vec<KnownRow>, Error> {
+    let mut statement = connection.prepare_cached(
+        "SELECT a.id, a.name, a.latest_version, a.created_ms, v.saved_ms, v.description, v.tags
+         FROM action AS a
+         JOIN action_version AS v ON v.action_id = a.id AND v.version = a.latest_version
+         WHERE a.removed_ms IS NULL
+         ORDER BY a.name",
+    )?;
+    let rows = statement.query_map([], |row| {
+        let summary = ActionSummary {
+            name: row.get(1)?,
+            version: row.get(2)?,
+            created_ms: row.get(3)?,
+            changed_ms: row.get(4)?,
+            description: row.get(5)?,
+            tags: tags_of(row, 6)?,
+            step_count: 0,
+            duration_ms: 0,
+        };
+        Ok(KnownRow { id: row.get(0)?, summary })
+    })?;
+    rows.collect()
 }
 
 fn tags_of(row: &Row, column: usize) -> Result<Vec<String>, Error> {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+use crate::robot::VirtualRobot;
 use crate::shared::SharedRobot;
 
 /// What moves the virtual clock.
@@ -18,8 +19,9 @@ pub enum Clock {
         /// Virtual seconds a second.
         factor: f64,
     },
-    /// Nothing holds it back. Who speaks to the robot has to be quick or to switch the dead-man off: its half second
-    /// is over in a few milliseconds.
+    /// As fast as it goes while the robot is spoken to: the time that bytes take, and a head start of
+    /// [`HEAD_START_MS`] after every answer, pass at once. Beyond that it is real time, so that a program that speaks
+    /// often enough for the dead-man on a robot does so here.
     Free,
     /// Nothing but [`VirtualRobot::advance_to`](crate::VirtualRobot::advance_to) and the control channel.
     Manual,
@@ -39,10 +41,14 @@ pub const FACTOR: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 const CATCH_UP: Duration = Duration::from_millis(250);
 /// How often the clock is looked at.
 const TICK: Duration = Duration::from_millis(1);
+/// How far a free clock runs ahead of the wall clock after every answer, in virtual ms: less than the half second of
+/// the dead-man.
+pub const HEAD_START_MS: u64 = 200;
 /// How far a free clock goes before it lets others have the robot, in virtual ms.
 const FREE_RUN_MS: u64 = 20;
-/// How long a free clock lets others have the robot.
-const FREE_PAUSE: Duration = Duration::from_micros(20);
+/// How long a free clock lets others have the robot, and how often it looks for bytes of the PC when it has run its
+/// head start.
+const FREE_PAUSES: [Duration; 2] = [Duration::from_micros(20), Duration::from_micros(250)];
 
 /// Where virtual time should be, from wall time.
 #[derive(Debug, Clone, Copy)]
@@ -74,6 +80,21 @@ fn whole_ms(ms: f64) -> u64 {
     whole
 }
 
+/// Moves a free clock for one turn. Returns whether it went on.
+fn run_freely(robot: &mut VirtualRobot, pace: &mut Pace) -> bool {
+    let begin_ms = robot.now_ms();
+    let most_ms = begin_ms + FREE_RUN_MS;
+    while robot.is_line_busy() && robot.now_ms() < most_ms {
+        robot.advance_to(robot.now_ms() + 1);
+    }
+    if robot.has_arrived() {
+        (pace.start, pace.start_ms) = (Instant::now(), robot.now_ms());
+    }
+    let target_ms = pace.target_ms(Instant::now(), robot.now_ms());
+    robot.advance_until_byte(target_ms.max(pace.start_ms + HEAD_START_MS).min(most_ms));
+    robot.now_ms() > begin_ms
+}
+
 /// Runs `clock` in a thread of its own until `stop` is set. After every turn `arrived` gets the bytes that have
 /// arrived at the PC, if any.
 pub fn run(
@@ -83,32 +104,31 @@ pub fn run(
     mut arrived: impl FnMut(&[u8]) + Send + 'static,
 ) -> JoinHandle<()> {
     thread::spawn(move || {
-        let mut pace = match clock {
-            Clock::Paced { factor } => Some(Pace {
-                factor: factor.clamp(*FACTOR.start(), *FACTOR.end()),
-                start: Instant::now(),
-                start_ms: robot.lock().now_ms(),
-            }),
-            Clock::Free | Clock::Manual => None,
+        let factor = match clock {
+            Clock::Paced { factor } => factor.clamp(*FACTOR.start(), *FACTOR.end()),
+            Clock::Free | Clock::Manual => 1.0,
         };
+        let mut pace = Pace { factor, start: Instant::now(), start_ms: robot.lock().now_ms() };
         let mut bytes = Vec::new();
         while !stop.load(Ordering::Relaxed) {
             let mut locked = robot.lock();
-            let now_ms = locked.now_ms();
-            match (clock, pace.as_mut()) {
-                (Clock::Paced { .. }, Some(pace)) => {
-                    locked.advance_to(pace.target_ms(Instant::now(), now_ms));
+            let pause = match clock {
+                Clock::Paced { .. } => {
+                    let target_ms = pace.target_ms(Instant::now(), locked.now_ms());
+                    locked.advance_to(target_ms);
+                    TICK
                 }
-                (Clock::Free, _) => locked.advance_to(now_ms + FREE_RUN_MS),
-                _ => {}
-            }
+                Clock::Free if run_freely(&mut locked, &mut pace) => FREE_PAUSES[0],
+                Clock::Free => FREE_PAUSES[1],
+                Clock::Manual => TICK,
+            };
             locked.receive(&mut bytes);
             drop(locked);
             if !bytes.is_empty() {
                 arrived(&bytes);
                 bytes.clear();
             }
-            thread::sleep(if clock == Clock::Free { FREE_PAUSE } else { TICK });
+            thread::sleep(pause);
         }
     })
 }
@@ -116,6 +136,14 @@ pub fn run(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::VirtualRobotConfig;
+    use crate::world::World;
+
+    fn robot() -> VirtualRobot {
+        let world = World::empty();
+        VirtualRobot::new(VirtualRobotConfig { world, ..VirtualRobotConfig::default() })
+            .expect("a valid configuration")
+    }
 
     #[test]
     fn time_follows_the_wall_clock_and_never_races_after_a_stall() {
@@ -127,5 +155,36 @@ mod tests {
         // A stall of an hour is worth the 250 ms that may be caught up with.
         assert_eq!(pace.target_ms(at(3_600_000), 2100), 4600);
         assert_eq!(pace.target_ms(at(3_600_001), 4600), 4610);
+    }
+
+    #[test]
+    fn a_free_clock_runs_its_head_start_after_an_answer_and_no_farther() {
+        let mut robot = robot();
+        // Far enough ahead that the wall clock does not catch up during the test.
+        let start = Instant::now() + Duration::from_hours(1);
+        let mut pace = Pace { factor: 1.0, start, start_ms: 0 };
+        while run_freely(&mut robot, &mut pace) {}
+        assert_eq!(robot.now_ms(), HEAD_START_MS);
+        // Half a package: the rest may still come, so its time passes and no more.
+        robot.send(&[0xC9, 0x80, 0x2A]);
+        while run_freely(&mut robot, &mut pace) {}
+        assert!(robot.now_ms() < HEAD_START_MS + 2 * FREE_RUN_MS, "{}", robot.now_ms());
+        let package = rsapien_protocol::ActionPackage {
+            session: 0,
+            sequence: 1,
+            request: rsapien_protocol::Request::State,
+        };
+        robot.send(&package.encode(rsapien_protocol::Address::Motion));
+        while !robot.has_arrived() {
+            assert!(run_freely(&mut robot, &mut pace), "the line carries bytes at once");
+        }
+        let (answered_ms, mut answer) = (robot.now_ms(), Vec::new());
+        robot.receive(&mut answer);
+        assert_eq!(pace.start_ms, answered_ms, "the head start counts from the answer");
+        while robot.now_ms() < answered_ms + HEAD_START_MS {
+            assert!(run_freely(&mut robot, &mut pace), "the head start takes no time");
+        }
+        assert!(!run_freely(&mut robot, &mut pace), "and is over then");
+        assert_eq!(answer.len(), rsapien_protocol::SYNCHRONIZATION_PACKAGE_LENGTH);
     }
 }

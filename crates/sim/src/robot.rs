@@ -114,6 +114,11 @@ impl VirtualRobot {
         self.line.waiting()
     }
 
+    /// Whether bytes are on their way, either way.
+    pub fn is_line_busy(&self) -> bool {
+        !self.line.is_idle()
+    }
+
     /// Moves the clock to `ms`; a time that has passed does nothing.
     pub fn advance_to(&mut self, ms: u64) {
         while self.now_ms < ms {

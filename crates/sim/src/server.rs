@@ -108,6 +108,9 @@ impl Simulator {
             control_tcp: None,
         };
         let hub = Arc::new(Hub::default());
+        if let Some(link) = &config.pty {
+            pty::check_place(link)?;
+        }
         // The control socket comes first: where it answers, another simulator has the link.
         if let Some(path) = control_path {
             let thread =

@@ -102,24 +102,26 @@ fn make_raw(slave: &File) -> rustix::io::Result<()> {
     tcsetattr(slave, OptionalActions::Now, &settings)
 }
 
+/// Whether a link may be made at `link`: nothing is there, or a link left behind by a simulator.
+pub(super) fn check_place(link: &Path) -> Result<(), SimulatorError> {
+    let folder = link.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) {
+        let source = io::Error::from(ErrorKind::NotFound);
+        return Err(SimulatorError::Path { path: link.to_owned(), source });
+    }
+    let Ok(found) = fs::symlink_metadata(link) else { return Ok(()) };
+    let points_to = fs::read_link(link).unwrap_or_default();
+    if found.is_symlink() && (points_to.starts_with("/dev/pts") || !link.exists()) {
+        return Ok(());
+    }
+    Err(SimulatorError::Taken { path: link.to_owned(), expected: "a link to a pseudo-terminal" })
+}
+
 impl Link {
     /// Makes `link` point to `target`. A link left behind by a simulator (it points to a pseudo-terminal or to
     /// nothing) is replaced; anything else is left alone.
     fn make(link: PathBuf, target: PathBuf) -> Result<Self, SimulatorError> {
-        let taken = |path: &Path| SimulatorError::Taken {
-            path: path.to_owned(),
-            expected: "a link to a pseudo-terminal",
-        };
-        match fs::symlink_metadata(&link) {
-            Ok(found) if !found.is_symlink() => return Err(taken(&link)),
-            Ok(_) => {
-                let points_to = fs::read_link(&link).unwrap_or_default();
-                if link.exists() && !points_to.starts_with("/dev/pts") {
-                    return Err(taken(&link));
-                }
-            }
-            Err(_) => {}
-        }
+        check_place(&link)?;
         // Made aside and moved into place, so that nobody ever finds it missing.
         let mut aside = link.clone().into_os_string();
         aside.push(format!(".{}", std::process::id()));

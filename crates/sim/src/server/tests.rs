@@ -180,3 +180,44 @@ fn a_pulled_cable_is_silent_and_the_control_channel_is_not() {
     control.request(&advance).expect("done");
     assert_eq!(read_answer(terminal)[..5], CAMERA_STATE_ANSWER_START);
 }
+
+#[test]
+fn a_free_clock_outruns_the_wall_clock_and_trips_no_dead_man() {
+    use rsapien_protocol::{Address, Mode, Report, Request, Session, SessionConfig, SessionEvent};
+
+    let config = SimulatorConfig { tcp: Some("0".to_owned()), clock: Clock::Free, ..config() };
+    let simulator = Simulator::start(config).expect("starts");
+    let mut stream =
+        TcpStream::connect(simulator.tcp_address().expect("an address")).expect("connects");
+    stream.set_read_timeout(Some(Duration::from_millis(5))).expect("set");
+    let mut session = Session::new(SessionConfig::default());
+    let (begin, begin_ms) = (Instant::now(), simulator.robot().lock().now_ms());
+    let now_ms = || u64::try_from(begin.elapsed().as_millis()).expect("short");
+    session.open(Address::Motion).expect("free");
+    let (mut initialised, mut buffer) = (false, [0; 256]);
+    while begin.elapsed() < Duration::from_secs(10) {
+        while let Some(bytes) = session.poll_transmit(now_ms()) {
+            stream.write_all(&bytes).expect("written");
+        }
+        if let Ok(count) = stream.read(&mut buffer) {
+            session.handle_bytes(&buffer[..count], now_ms());
+        }
+        session.handle_timeout(now_ms());
+        let Some(event) = session.poll_event() else { continue };
+        let SessionEvent::Answered { package, .. } = event else { panic!("{event:?}") };
+        if let Report::Motion(report) = package.report {
+            assert_ne!(report.mode, Mode::Held, "{report:?}");
+            if report.mode == Mode::Idle {
+                let virtual_ms = simulator.robot().lock().now_ms() - begin_ms;
+                assert!(virtual_ms > 2 * now_ms(), "{virtual_ms} ms in {} ms", now_ms());
+                return;
+            }
+        }
+        // A leisurely program: a look at the robot every 20 ms.
+        thread::sleep(Duration::from_millis(20));
+        let next = if initialised { Request::State } else { Request::Init };
+        initialised = true;
+        session.request(Address::Motion, next).expect("free");
+    }
+    panic!("not initialised in time");
+}

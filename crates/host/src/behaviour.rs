@@ -3,9 +3,11 @@
 //! A behaviour moves through [`Head`] only, so that it runs the same with a robot, a simulator or a test.
 
 mod ball;
+mod contour;
 mod pinhole;
 
 pub use ball::{BallFound, BallSearch, Sight};
+pub use contour::contour_share;
 pub use pinhole::{Direction, Pinhole};
 
 use rsapien_vision::GrayImage;

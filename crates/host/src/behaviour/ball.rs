@@ -1,14 +1,19 @@
 //! Looking for a ball and turning the head until it is centred.
 
-use rsapien_vision::{DetectedEllipse, Detection, Detector, Options, OptionsError};
+use rsapien_vision::{DetectedEllipse, Detection, Detector, GrayImage, Options, OptionsError};
 
-use super::{Direction, Head, Pinhole};
+use super::{Direction, Head, Pinhole, contour_share};
 
 /// A ball is the only thing that looks round from everywhere: plates and cups seen from the side are flatter.
 const ROUNDNESS_MIN: f64 = 0.85;
-/// Part of the smallest contour looked for that has to be seen as edge points. Contours are about two pixels thick
-/// after the threshold, so that a whole one has more points than its length.
-const CONTOUR_SHARE_MIN: f64 = 1.2;
+/// Part of a contour that has to be one; see [`contour_share`].
+const CONTOUR_SHARE_MIN: f64 = 0.7;
+/// Edge points that a candidate needs for each pixel of the smallest contour looked for. A whole contour has 1.2 to 1.7,
+/// since it is two pixels thick or more after the threshold; the ellipse that stands for a cluster may have fewer.
+const POINTS_PER_PX_MIN: f64 = 0.8;
+
+/// Narrower than the paper's 20: the outline of the ball and that of its shadow are clusters of their own.
+const CLUSTER_DISTANCE_MAX: f64 = 8.0;
 
 /// How a ball is looked for.
 #[derive(Clone, Debug)]
@@ -19,9 +24,11 @@ pub struct BallSearch {
     pub pinhole: Pinhole,
     /// Least ratio of the semi-axes of what is taken for a ball, `0..=1`.
     pub roundness_min: f64,
+    /// Least share of its contour across which the brightness changes, `0..=1`: see [`contour_share`].
+    pub contour_share_min: f64,
     /// The ball is centred when it is this near to the optical axis, in pixels.
     pub centered_px: f64,
-    /// Most pictures taken to centre a ball once it is seen.
+    /// Most pictures taken to centre a ball once it is seen, before the scan goes on.
     pub centering_looks_max: u32,
     /// Where to look for it, in this order.
     pub scan: Vec<Direction>,
@@ -67,7 +74,8 @@ impl BallSearch {
         options.hough.semi_major_max_px = greatest;
         options.hough.semi_minor_min_px = least;
         options.hough.semi_minor_max_px = greatest;
-        let points = f64::from(least) * std::f64::consts::TAU * CONTOUR_SHARE_MIN;
+        options.cluster.distance_max = CLUSTER_DISTANCE_MAX;
+        let points = f64::from(least) * std::f64::consts::TAU * POINTS_PER_PX_MIN;
         // The cast clips at 0; the detector refuses a radius that is too large.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         (options.filter.quality_min = (points as u32).max(1));
@@ -78,6 +86,7 @@ impl BallSearch {
             detector: Detector::new(options)?,
             pinhole,
             roundness_min: ROUNDNESS_MIN,
+            contour_share_min: CONTOUR_SHARE_MIN,
             centered_px: 3.0,
             centering_looks_max: 8,
             scan: scan.collect(),
@@ -88,7 +97,7 @@ impl BallSearch {
     /// Scans until a ball is seen and turns the head until it is centred; `on_sight` is told every look. Returns none
     /// when the whole scan shows no ball.
     ///
-    /// A ball that is lost while it is being centred is looked for along the rest of the scan.
+    /// A ball that stays lost while it is being centred is looked for along the rest of the scan.
     ///
     /// # Errors
     /// Those of `head`.
@@ -106,22 +115,23 @@ impl BallSearch {
         };
         for &direction in &self.scan {
             let mut sight = look(head, direction)?;
+            if sight.ball.is_none() {
+                continue;
+            }
             let first_seen = sight.number;
-            let mut looks_left = self.centering_looks_max;
-            while let Some(ball) = sight.ball {
-                let ellipse = ball.ellipse;
-                let offset_px = self.pinhole.offset_px(ellipse.center_x_px, ellipse.center_y_px);
-                let is_centered = offset_px <= self.centered_px;
-                if is_centered || looks_left == 0 {
-                    return Ok(Some(BallFound { first_seen, sight, offset_px, is_centered }));
+            for looks_left in (0..=self.centering_looks_max).rev() {
+                // Where it was lost another picture is taken: noise and seed are new.
+                let mut to = sight.direction;
+                if let Some(ball) = sight.ball {
+                    let (x, y) = (ball.ellipse.center_x_px, ball.ellipse.center_y_px);
+                    let offset_px = self.pinhole.offset_px(x, y);
+                    let is_centered = offset_px <= self.centered_px;
+                    if is_centered || looks_left == 0 {
+                        return Ok(Some(BallFound { first_seen, sight, offset_px, is_centered }));
+                    }
+                    to = self.pinhole.centering(sight.direction, x, y).within_reach();
                 }
-                looks_left -= 1;
-                let to = self.pinhole.centering(
-                    sight.direction,
-                    ellipse.center_x_px,
-                    ellipse.center_y_px,
-                );
-                sight = look(head, to.within_reach())?;
+                sight = look(head, to)?;
             }
         }
         Ok(None)
@@ -132,23 +142,25 @@ impl BallSearch {
         let picture = head.see()?;
         let seed = self.seed.wrapping_add(u64::from(number));
         let detection = self.detector.detect(&picture.view(), seed);
-        let ball = self.ball_of(&detection);
+        let ball = self.ball_of(&picture, &detection);
         Ok(Sight { number, direction, detection, ball })
     }
 
-    /// The round ellipse with the most points on its contour.
-    fn ball_of(&self, detection: &Detection) -> Option<DetectedEllipse> {
-        let round = |found: &&DetectedEllipse| {
+    /// The round ellipse that is a contour most of all.
+    fn ball_of(&self, picture: &GrayImage, detection: &Detection) -> Option<DetectedEllipse> {
+        let is_round = |found: &&DetectedEllipse| {
             found.ellipse.semi_minor_px >= self.roundness_min * found.ellipse.semi_major_px
         };
-        detection.ellipses.iter().filter(round).max_by_key(|found| found.quality).copied()
+        let with_share = |found: &DetectedEllipse| (contour_share(picture, &found.ellipse), *found);
+        let round = detection.ellipses.iter().filter(is_round).map(with_share);
+        let (share, ball) = round.max_by(|one, other| one.0.total_cmp(&other.0))?;
+        (share >= self.contour_share_min).then_some(ball)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rsapien_vision::GrayImage;
 
     /// A head whose camera sees one bright disc on a dark ground, in the direction `disc`.
     struct DiscWorld {

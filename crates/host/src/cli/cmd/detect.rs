@@ -177,7 +177,7 @@ fn read(path: &Path) -> Result<Picture> {
 }
 
 /// The picture with the ellipses drawn.
-pub(super) fn annotated(picture: &Picture, detection: &Detection) -> Picture {
+fn annotated(picture: &Picture, detection: &Detection) -> Picture {
     let mut drawn = picture.clone();
     draw::annotate(&mut drawn, detection);
     drawn
@@ -227,7 +227,7 @@ fn summary(name: &str, picture: &Picture, detection: &Detection) -> String {
 }
 
 /// The ellipses for people.
-pub(super) fn listing(detection: &Detection) -> Table {
+fn listing(detection: &Detection) -> Table {
     let mut table = Table::new(&[
         "  ",
         "center x",

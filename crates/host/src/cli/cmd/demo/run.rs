@@ -7,13 +7,13 @@ use std::time::Instant;
 use rsapien_registry::{CompileOptions, Registry};
 use rsapien_sim::VirtualRobotConfig;
 use rsapien_sim::world::World;
-use rsapien_vision::{GrayImage, Picture};
+use rsapien_vision::{GrayImage, Picture, draw};
 
 use super::log;
 use super::summary::{Report, Walk};
 use crate::behaviour::{BallSearch, Direction, Head, Sight};
 use crate::cli::camera::{Camera, Source, Truth};
-use crate::cli::cmd::detect::{annotated, save};
+use crate::cli::cmd::detect::save;
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::performance;
@@ -24,6 +24,9 @@ use crate::{CameraController, LinkAddress, RobotOptions};
 
 /// The action that the demo walks by.
 const WALK: &str = "walk-forward";
+
+/// Colour of the ball's contour: one that a red ball on a wooden table has not.
+const BALL_COLOR: draw::Color = [32, 224, 32];
 
 /// What the user asked for.
 pub(super) struct Settings {
@@ -114,7 +117,7 @@ pub(super) fn run(
 
     let picture_file = match (&picture, sights.last()) {
         (Some(picture), Some(last)) => {
-            save(&annotated(picture, &last.detection), &settings.picture_file)?;
+            save(&annotated(picture, last), &settings.picture_file)?;
             Some(settings.picture_file)
         }
         _ => None,
@@ -150,6 +153,16 @@ fn look_text(sight: &Sight) -> String {
         }
     };
     format!("look {}: pan {pan_deg:.1}, tilt {tilt_deg:.1}: {seen}", sight.number)
+}
+
+/// The picture with the ball drawn, where there is one.
+fn annotated(picture: &Picture, sight: &Sight) -> Picture {
+    let mut drawn = picture.clone();
+    if let Some(ball) = &sight.ball {
+        draw::ellipse(&mut drawn, &ball.ellipse, BALL_COLOR);
+        draw::cross(&mut drawn, &ball.ellipse, draw::CENTER_COLOR);
+    }
+    drawn
 }
 
 /// The robot's head and its camera.

@@ -55,7 +55,17 @@ fn line<const CONTENT: usize, const LINE: usize>(header: HeaderByte, sense: bool
     line
 }
 
-fn count(receiver: &mut Receiver, line: &[u8]) -> usize {
+fn count(receiver: &mut Receiver, mut line: &[u8]) -> usize {
+    let mut packages = 0;
+    while let (Some(content), rest) = receiver.feed_slice(line, 0) {
+        black_box(&content);
+        packages += 1;
+        line = rest;
+    }
+    packages
+}
+
+fn count_byte_by_byte(receiver: &mut Receiver, line: &[u8]) -> usize {
     line.iter().filter(|byte| matches!(receiver.feed(**byte, 0), Fed::Package(_))).count()
 }
 
@@ -76,12 +86,17 @@ fn decode(criterion: &mut Criterion) {
             let mut receiver = receiver.clone();
             bencher.iter(|| count(&mut receiver, black_box(&line)));
         });
+        group.bench_function("decode byte by byte", |bencher| {
+            let mut receiver = receiver.clone();
+            bencher.iter(|| count_byte_by_byte(&mut receiver, black_box(&line)));
+        });
         group.bench_function("decode and parse", |bencher| {
             let mut receiver = receiver.clone();
             bencher.iter(|| {
                 let mut understood = 0;
-                for byte in black_box(&line) {
-                    let Fed::Package(content) = receiver.feed(*byte, 0) else { continue };
+                let mut left = black_box(&line[..]);
+                while let (Some(content), rest) = receiver.feed_slice(left, 0) {
+                    left = rest;
                     understood += usize::from(match direction {
                         Direction::ToRobot => ActionPackage::parse(content.action()).is_ok(),
                         Direction::ToPc => SynchronizationPackage::parse(&content).is_ok(),

@@ -77,6 +77,46 @@ pub fn encode<const CONTENT: usize, const LINE: usize>(
     line
 }
 
+/// Line bytes of a package that goes in `direction`.
+pub const fn line_length(direction: Direction) -> usize {
+    package_length(content_length(direction))
+}
+
+/// The content of the intact package that `line` begins with, whatever its header, in the first
+/// `CONTENT` of the bytes given. None when a class or the check is wrong or bytes are missing.
+///
+/// A group of seven bytes is taken as one word, its synchronization byte lowest.
+#[inline]
+pub(crate) fn decode<const CONTENT: usize>(
+    line: &[u8],
+) -> Option<[u8; SYNCHRONIZATION_CONTENT_LENGTH]> {
+    const CLASS_MASK: u64 = 0x0080_8080_8080_80C0;
+    const CLASSES: u64 = 0x80;
+    /// Times six bits in the low end of a word: bit `i` comes to stand at bit `8 * i + 7`, where no
+    /// two of the products meet.
+    const SPREAD: u64 = 1 << 7 | 1 << 14 | 1 << 21 | 1 << 28 | 1 << 35 | 1 << 42;
+    const TOP_BITS: u64 = 0x8080_8080_8080;
+
+    let line = line.get(..package_length(CONTENT))?;
+    let (header, line) = line.split_first()?;
+    let (body, check_bytes) = line.split_last_chunk::<CHECK_LENGTH>()?;
+    let mut check = crc::update(crc::INITIAL, *header);
+    let mut classes_are_right = true;
+    let mut content = [0; SYNCHRONIZATION_CONTENT_LENGTH];
+    let groups = body.as_chunks::<{ GROUP_DATA_LENGTH + 1 }>().0;
+    for (group, place) in groups.iter().zip(content.as_chunks_mut::<GROUP_DATA_LENGTH>().0) {
+        let mut bytes = [0; 8];
+        bytes[..group.len()].copy_from_slice(group);
+        let word = u64::from_le_bytes(bytes);
+        classes_are_right &= word & CLASS_MASK == CLASSES;
+        let top_bits = (word & 0x3F).wrapping_mul(SPREAD) & TOP_BITS;
+        let [bytes @ .., _, _] = (word >> 8 | top_bits).to_le_bytes();
+        *place = bytes;
+        check = crc::update_group(check, *group);
+    }
+    (classes_are_right && *check_bytes == check_to_bytes(check)).then_some(content)
+}
+
 /// The check as three data bytes: bits 0-6, bits 7-13, bits 14-15.
 pub const fn check_to_bytes(check: u16) -> [u8; CHECK_LENGTH] {
     [(check & 0x7F) as u8, (check >> 7 & 0x7F) as u8, (check >> 14) as u8]

@@ -231,6 +231,49 @@ impl Receiver {
         }
     }
 
+    /// Takes line bytes that came at `now_ms`, up to the end of the first intact package. Gives its
+    /// content, if there is one, and the bytes behind it, which are still to be fed.
+    ///
+    /// It does exactly what [`feed`](Receiver::feed) does byte by byte, but several times faster
+    /// where whole packages lie in `bytes`.
+    pub fn feed_slice<'bytes>(
+        &mut self,
+        mut bytes: &'bytes [u8],
+        now_ms: u64,
+    ) -> (Option<Content>, &'bytes [u8]) {
+        if !bytes.is_empty() {
+            self.expire(now_ms);
+        }
+        while let Some((first, rest)) = bytes.split_first() {
+            if self.state == ReceptionState::Hunting
+                && let Some(content) = self.whole_package(bytes)
+            {
+                self.last_byte_ms = now_ms;
+                return (Some(content), &bytes[frame::line_length(self.direction)..]);
+            }
+            if let Fed::Package(content) = self.feed(*first, now_ms) {
+                return (Some(content), rest);
+            }
+            bytes = rest;
+        }
+        (None, bytes)
+    }
+
+    /// The content of the intact package that `bytes` begin with. For anything else nothing is
+    /// done: `feed` finds out what it is.
+    #[inline]
+    fn whole_package(&mut self, bytes: &[u8]) -> Option<Content> {
+        let header = *bytes.first()?;
+        let address = self.address_if_mine(header)?;
+        let contents = match self.direction {
+            Direction::ToRobot => frame::decode::<ACTION_CONTENT_LENGTH>(bytes)?,
+            Direction::ToPc => frame::decode::<SYNCHRONIZATION_CONTENT_LENGTH>(bytes)?,
+        };
+        self.content = Content { address, direction: self.direction, bytes: contents };
+        self.counts.accepted = self.counts.accepted.wrapping_add(1);
+        Some(self.content)
+    }
+
     /// Takes note of a byte that the UART could not receive.
     pub fn line_error(&mut self, error: LineError) {
         let count = match error {
@@ -249,17 +292,21 @@ impl Receiver {
         if self.state != ReceptionState::Hunting {
             self.reset();
         }
-        let Some(header) = HeaderByte::from_byte(byte) else { return Fed::Skipped };
-        if header.direction != self.direction
-            || self.own_address.is_some_and(|address| address != header.address)
-        {
-            return Fed::Skipped;
-        }
-        self.content.address = header.address;
+        let Some(address) = self.address_if_mine(byte) else { return Fed::Skipped };
+        self.content.address = address;
         self.content_index = 0;
         self.check = crc::update(crc::INITIAL, byte);
         self.state = ReceptionState::Synchronization;
         Fed::More
+    }
+
+    /// The address in a header byte that begins a package for this receiver.
+    #[inline]
+    fn address_if_mine(&self, byte: u8) -> Option<Address> {
+        let header = HeaderByte::from_byte(byte)?;
+        let mine = header.direction == self.direction
+            && self.own_address.is_none_or(|address| address == header.address);
+        mine.then_some(header.address)
     }
 
     #[inline]

@@ -39,7 +39,7 @@
 
 use crate::frame::{self, ACTION_PACKAGE_LENGTH, ActionBytes, SYNCHRONIZATION_PACKAGE_LENGTH};
 use crate::{
-    ActionPackage, Address, Counts, Fed, HelloReport, Kind, LineError, PROTOCOL_VERSION, Receiver,
+    ActionPackage, Address, Counts, HelloReport, Kind, LineError, PROTOCOL_VERSION, Receiver,
     Report, Request, Status, SynchronizationPackage,
 };
 pub use event::{Failure, RequestError, SessionEvent, Ticket, UnknownReason};
@@ -281,8 +281,9 @@ impl Session {
 
     /// Takes line bytes that came at `now_ms`. Bytes that make no package are counted.
     pub fn handle_bytes(&mut self, bytes: &[u8], now_ms: u64) {
-        for byte in bytes {
-            let Fed::Package(content) = self.receiver.feed(*byte, now_ms) else { continue };
+        let mut rest = bytes;
+        while let (Some(content), behind) = self.receiver.feed_slice(rest, now_ms) {
+            rest = behind;
             let address = content.address();
             match SynchronizationPackage::parse(&content) {
                 Ok(package) => self.handle_package(address, package, now_ms),

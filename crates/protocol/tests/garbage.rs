@@ -196,6 +196,43 @@ proptest! {
     }
 
     #[test]
+    fn slices_do_what_their_bytes_do(
+        bytes in garbage(),
+        cuts in prop::collection::vec((0..200usize, 0..60u64), 1..100),
+    ) {
+        for (receiver, line) in ends() {
+            let (mut by_slice, mut by_byte) = (receiver.clone(), receiver);
+            let all = [&bytes[..], &line].concat();
+            let (mut rest, mut now_ms) = (&all[..], 0);
+            for (cut, wait_ms) in cuts.iter().cycle() {
+                now_ms += wait_ms;
+                let (slice, behind) = rest.split_at(rest.len().min(1 + cut));
+                rest = behind;
+                let mut from_slice = Vec::new();
+                let mut left = slice;
+                while let (Some(content), behind) = by_slice.feed_slice(left, now_ms) {
+                    from_slice.push(content);
+                    left = behind;
+                }
+                let from_bytes: Vec<_> = slice
+                    .iter()
+                    .filter_map(|byte| match by_byte.feed(*byte, now_ms) {
+                        Fed::Package(content) => Some(content),
+                        _ => None,
+                    })
+                    .collect();
+                prop_assert_eq!(from_slice, from_bytes);
+                prop_assert_eq!(by_slice.counts(), by_byte.counts());
+                prop_assert_eq!(by_slice.state(), by_byte.state());
+                prop_assert_eq!(by_slice.deadline_ms(), by_byte.deadline_ms());
+                if rest.is_empty() {
+                    break;
+                }
+            }
+        }
+    }
+
+    #[test]
     fn gaps_and_line_errors_cost_no_package_behind_them(
         events in prop::collection::vec((any::<u8>(), 0..40u64, 0..10u8), 0..200)
     ) {

@@ -16,7 +16,7 @@
 //! * every request ends: where nothing is under way, nothing waits.
 
 use super::*;
-use crate::{Mode, MotionReport, Pose, Step, StopCause};
+use crate::{Fed, Mode, MotionReport, Pose, Step, StopCause};
 use std::collections::{HashSet, VecDeque};
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher, Hash};
 use std::vec::Vec;

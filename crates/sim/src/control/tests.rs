@@ -169,3 +169,17 @@ fn an_endless_line_ends_the_connection_and_nothing_else() {
     client.state().expect("others are served");
     simulator.stop();
 }
+
+proptest::proptest! {
+    #[test]
+    fn no_line_panics(line in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..80)) {
+        let _ = ControlRequest::parse(&line);
+    }
+
+    #[test]
+    fn no_value_panics(command in "press|bumper|switch|stick|move|put|cable|line|drain|hang|power|get",
+                       value in "[0-9a-z{}\\[\\]\":,.-]{0,24}") {
+        let _ = ControlRequest::parse(format!("{{\"{command}\":{value}}}").as_bytes());
+        let _ = ControlRequest::parse(format!("{{\"{command}\":{value:?}}}").as_bytes());
+    }
+}

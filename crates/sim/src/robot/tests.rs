@@ -1,9 +1,11 @@
 //! The whole robot, spoken to by a real session over its line.
 
 use super::*;
+use crate::body::Contact;
+use crate::line::LineFaults;
 use rsapien_protocol::{
-    AimTarget, BumperMask, Failure, Mode, Parameter, Pose, Position, Report, Request, Session,
-    SessionConfig, SessionEvent, Status, Step, StopCause,
+    Address, AimTarget, BumperMask, Direction, Failure, Mode, Parameter, Pose, Position, Report,
+    Request, Session, SessionConfig, SessionEvent, Status, Step, StopCause,
 };
 
 use Joint::{LeftLeg, RightLeg, Tilt};
@@ -394,4 +396,87 @@ fn values_out_of_range_make_no_robot() {
     assert!(with(|config| config.baud = 0).contains("0 baud"));
     assert!(with(|config| config.clock_mhz = 41).contains("4, 10, 20 and 40"));
     assert!(with(|config| config.camera.noise_sigma = f64::NAN).contains("noise"));
+}
+
+/// Something that happens to a robot from outside.
+#[derive(Debug, Clone)]
+enum Happening {
+    Bytes(Vec<u8>),
+    Press(usize, bool),
+    Bumper(usize, Contact),
+    Switch(Joint, Contact),
+    Stick(Joint, bool),
+    Move(Joint, f64),
+    Put(f64, f64, f64),
+    Supply(u32),
+    MotorSupply(u32),
+    Hang(Address),
+    PowerCycle,
+    BrownOut,
+}
+
+fn happenings() -> impl proptest::strategy::Strategy<Value = Vec<Happening>> {
+    use proptest::prelude::*;
+    let joint = || proptest::sample::select(Joint::ALL.as_slice());
+    let contact = || {
+        proptest::sample::select(vec![Contact::Working, Contact::StuckOpen, Contact::StuckClosed])
+    };
+    let one = prop_oneof![
+        proptest::collection::vec(any::<u8>(), 0..60).prop_map(Happening::Bytes),
+        (0..8_usize, any::<bool>()).prop_map(|(index, held)| Happening::Press(index, held)),
+        (0..8_usize, contact()).prop_map(|(index, contact)| Happening::Bumper(index, contact)),
+        (joint(), contact()).prop_map(|(joint, contact)| Happening::Switch(joint, contact)),
+        (joint(), any::<bool>()).prop_map(|(joint, stuck)| Happening::Stick(joint, stuck)),
+        (joint(), any::<f64>()).prop_map(|(joint, to)| Happening::Move(joint, to)),
+        (-3.0..3.0, -3.0..3.0, -4.0..4.0).prop_map(|(x, y, heading)| Happening::Put(x, y, heading)),
+        (0..9000_u32).prop_map(Happening::Supply),
+        (0..9000_u32).prop_map(Happening::MotorSupply),
+        proptest::sample::select(Address::ALL.as_slice()).prop_map(Happening::Hang),
+        Just(Happening::PowerCycle),
+        Just(Happening::BrownOut),
+    ];
+    proptest::collection::vec(one, 0..12)
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::test_runner::Config::with_cases(64))]
+
+    #[test]
+    fn whatever_happens_silence_ends_motion_and_joints_stay_between_their_stops(
+        happenings in happenings(),
+        pause_ms in 0..120_u64,
+    ) {
+        let mut pair = Pair::in_world(World::demo());
+        pair.init();
+        pair.queue_walk(2, BumperMask::NONE);
+        let robot = &mut pair.robot;
+        for happening in happenings {
+            match happening {
+                Happening::Bytes(bytes) => robot.send(&bytes),
+                Happening::Press(index, held) => robot.press_bumper(index, held),
+                Happening::Bumper(index, contact) => robot.set_bumper(index, contact),
+                Happening::Switch(arm, contact) => robot.set_switch(arm, contact),
+                Happening::Stick(joint, stuck) => robot.stick_joint(joint, stuck),
+                Happening::Move(joint, to) => robot.move_joint(joint, to),
+                Happening::Put(x_m, y_m, heading_rad) => robot.put_at(x_m, y_m, heading_rad),
+                Happening::Supply(millivolts) => robot.set_supply_mv(millivolts),
+                Happening::MotorSupply(millivolts) => robot.set_motor_supply_mv(millivolts),
+                Happening::Hang(controller) => robot.hang(controller),
+                Happening::PowerCycle => robot.power_cycle(),
+                Happening::BrownOut => robot.brown_out(),
+            }
+            robot.advance_to(robot.now_ms() + pause_ms);
+        }
+        // What was sent is through, and then the dead-man's time passes.
+        while robot.is_line_busy() {
+            robot.advance_to(robot.now_ms() + 1);
+        }
+        robot.advance_to(robot.now_ms() + u64::from(Parameter::DEAD_MAN_MS_DEFAULT));
+        proptest::prop_assert_eq!(robot.motors(), MotorPins::default());
+        for position in robot.joints() {
+            proptest::prop_assert!((0.0..=1.0).contains(&position));
+        }
+        let pose = robot.pose();
+        proptest::prop_assert!(pose.x_m.is_finite() && pose.y_m.is_finite());
+    }
 }

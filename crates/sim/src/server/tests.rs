@@ -141,7 +141,7 @@ fn real_time_is_real_and_a_factor_speeds_it_up() {
         let virtual_ms = u32::try_from(now_ms() - begin_ms).expect("short");
         let ratio = f64::from(virtual_ms) / (begin.elapsed().as_secs_f64() * 1000.0 * factor);
         // A loaded machine may let the clock fall behind, and it never runs ahead.
-        assert!((0.3..1.1).contains(&ratio), "{ratio} of the pace {factor}");
+        assert!((0.1..1.1).contains(&ratio), "{ratio} of the pace {factor}");
     }
     let clock = Clock::Paced { factor: f64::NAN };
     let refused =

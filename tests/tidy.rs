@@ -58,7 +58,10 @@ fn library_code_never_prints_exits_or_reads_the_environment() {
         let sources = workspace().join("crates").join(folder).join("src");
         for path in files(&sources, &[".rs"]) {
             let inside = path.strip_prefix(&sources).unwrap();
-            if inside.starts_with("cli") || inside.starts_with("bin") || inside.ends_with("tests.rs") {
+            if inside.starts_with("cli")
+                || inside.starts_with("bin")
+                || inside.ends_with("tests.rs")
+            {
                 continue;
             }
             for (number, line) in without_tests(&read(&path)).lines().enumerate() {
@@ -77,7 +80,9 @@ fn the_inner_rooms_have_no_clock_and_no_allocator() {
         let sources = workspace().join("crates").join(folder).join("src");
         assert!(read(&sources.join("lib.rs")).contains("#![no_std]"), "{folder} is no_std");
         for path in files(&sources, &[".rs"]) {
-            if path.ends_with("tests.rs") || path.components().any(|part| part.as_os_str() == "tests") {
+            if path.ends_with("tests.rs")
+                || path.components().any(|part| part.as_os_str() == "tests")
+            {
                 continue;
             }
             let text = read(&path);
@@ -109,7 +114,9 @@ fn no_unsafe_code_anywhere() {
     for path in files(&workspace().join("crates"), &[".rs"]) {
         for (number, line) in read(&path).lines().enumerate() {
             let code = line.split("//").next().unwrap_or("");
-            let has_unsafe = code.contains("unsafe {") || code.contains("unsafe fn") || code.contains("unsafe impl");
+            let has_unsafe = code.contains("unsafe {")
+                || code.contains("unsafe fn")
+                || code.contains("unsafe impl");
             assert!(!has_unsafe, "{}:{}", path.display(), number + 1);
         }
     }
@@ -119,7 +126,11 @@ fn no_unsafe_code_anywhere() {
         let inherits = manifest.get("lints").and_then(|lints| lints.get("workspace"));
         // PyO3's macros expand to unsafe code, so the module's crate cannot forbid it.
         let is_python = path.parent().is_some_and(|folder| folder.ends_with("python"));
-        assert!(is_python || inherits.and_then(toml::Value::as_bool) == Some(true), "{}", path.display());
+        assert!(
+            is_python || inherits.and_then(toml::Value::as_bool) == Some(true),
+            "{}",
+            path.display()
+        );
     }
 }
 

@@ -15,10 +15,18 @@ pub fn workspace() -> PathBuf {
 /// # Panics
 /// When a folder cannot be read.
 pub fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
-    const NOT_OURS: [&str; 7] =
-        ["target", "corpus", "artifacts", "node_modules", "__pycache__", ".pytest_cache", "rsapien-demo"];
+    const NOT_OURS: [&str; 7] = [
+        "target",
+        "corpus",
+        "artifacts",
+        "node_modules",
+        "__pycache__",
+        ".pytest_cache",
+        "rsapien-demo",
+    ];
     let mut found = Vec::new();
-    let entries = std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let entries =
+        std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     for entry in entries {
         let path = entry.expect("a folder can be read").path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

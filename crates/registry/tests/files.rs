@@ -79,24 +79,6 @@ fn places_where_no_file_can_be() {
     assert!(matches!(refused(&missing), RegistryError::CannotOpen { .. }));
     assert!(matches!(refused(folder.path()), RegistryError::CannotOpen { .. }));
     assert!(matches!(Registry::open(""), Err(RegistryError::CannotOpen { .. })));
-    // No special name of SQLite's.
-    let absolute = std::path::absolute(":memory:").unwrap();
-    let text = format!("{}/none/:memory:", folder.path().display());
-    assert_eq!(absolute.file_name(), refused(Path::new(&text)).path_of().file_name());
-}
-
-/// The file of an error, for the tests.
-trait PathOf {
-    fn path_of(&self) -> &Path;
-}
-
-impl PathOf for RegistryError {
-    fn path_of(&self) -> &Path {
-        match self {
-            RegistryError::CannotOpen { path, .. } => path,
-            other => panic!("{other}"),
-        }
-    }
 }
 
 /// `/proc` takes no files, not even from the administrator, whom permissions do not stop.
@@ -169,6 +151,25 @@ fn a_file_of_schema_1_opens_with_all_it_held() {
     assert_eq!((compiled.steps.len(), compiled.duration_ms), (5, 2 * 600 + 900));
     assert!(registry.primitives().unwrap().into_iter().eq(Primitive::all()));
     assert_eq!(registry.save(&nod).unwrap(), 3);
+}
+
+/// Somebody else wrote into the file with its rules switched off.
+#[test]
+fn rows_that_break_the_rules_are_told_as_damage() {
+    for damage in [
+        "UPDATE action SET latest_version = 7 WHERE name = 'wave'",
+        "DROP TRIGGER action_step_update; UPDATE action_step SET duration_ms = 70000",
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("registry.sqlite");
+        fs::copy(fixture(), &path).unwrap();
+        let connection = Connection::open(&path).unwrap();
+        connection.pragma_update(None, "ignore_check_constraints", "ON").unwrap();
+        connection.pragma_update(None, "foreign_keys", "OFF").unwrap();
+        connection.execute_batch(damage).unwrap();
+        let told = Registry::open(&path).unwrap().get("wave").unwrap_err();
+        assert!(matches!(told, RegistryError::Corrupt { .. }), "{damage}: {told}");
+    }
 }
 
 /// The stored file brought up to date has the tables of a new one, word for word: a released

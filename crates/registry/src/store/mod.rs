@@ -332,6 +332,14 @@ impl Place {
     fn error(&self, error: rusqlite::Error) -> RegistryError {
         let path = self.path.clone();
         let reason = error.to_string();
+        // A row that is missing or holds what no writer of ours writes.
+        if let rusqlite::Error::FromSqlConversionFailure(..)
+        | rusqlite::Error::IntegralValueOutOfRange(..)
+        | rusqlite::Error::InvalidColumnType(..)
+        | rusqlite::Error::QueryReturnedNoRows = error
+        {
+            return RegistryError::Corrupt { path, reason };
+        }
         match error.sqlite_error_code() {
             Some(ErrorCode::NotADatabase) => {
                 RegistryError::NotARegistry { path, reason: "it is no SQLite database".to_owned() }
@@ -344,9 +352,11 @@ impl Place {
                 | ErrorCode::DiskFull
                 | ErrorCode::SystemIoFailure,
             ) => RegistryError::Unwritable { path, reason },
-            Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => {
-                RegistryError::Busy { path, waited_ms: BUSY_TIMEOUT_MS }
-            }
+            Some(
+                ErrorCode::DatabaseBusy
+                | ErrorCode::DatabaseLocked
+                | ErrorCode::FileLockingProtocolFailed,
+            ) => RegistryError::Busy { path, waited_ms: BUSY_TIMEOUT_MS },
             _ => RegistryError::Database { path, source: error },
         }
     }

@@ -191,10 +191,10 @@ pub enum Error {
     #[cfg(feature = "virtual")]
     #[error("no virtual robot: {0}")]
     VirtualRobot(#[from] rsapien_sim::robot::ConfigError),
-    /// RoboRegistry refused.
+    /// `RoboRegistry` refused.
     #[cfg(feature = "registry")]
     #[error(transparent)]
-    Registry(#[from] rsapien_registry::Error),
+    Registry(#[from] rsapien_registry::RegistryError),
 }
 
 impl Error {

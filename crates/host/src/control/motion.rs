@@ -104,6 +104,24 @@ impl MotionController {
         player::play(&self.held.inner.line, steps, options)
     }
 
+    /// Plays an action of `RoboRegistry` by its name: compiles it, then as
+    /// [`play`](MotionController::play).
+    ///
+    /// # Errors
+    /// [`Error::Registry`] when there is no such action or it cannot be compiled; otherwise as
+    /// [`play`](MotionController::play).
+    #[cfg(feature = "registry")]
+    pub fn play_action(
+        &mut self,
+        registry: &rsapien_registry::Registry,
+        name: &str,
+        compile: rsapien_registry::CompileOptions,
+        options: &mut PlayOptions<'_>,
+    ) -> Result<PlayReport, Error> {
+        let action = registry.compile(name, compile)?;
+        self.play(&action.steps, options)
+    }
+
     /// Does motion primitives together for `duration_ms`, and waits for them.
     ///
     /// # Errors

@@ -88,6 +88,9 @@ pub(super) struct Runner {
     retry_ms: Option<u64>,
     /// The link came back, and whether motors run is not known yet.
     is_suspicious: bool,
+    /// The last package but STOP was a heartbeat, so a request goes first now. A robot that does
+    /// not answer makes heartbeats take longer than their period.
+    was_heartbeat: bool,
     is_closing: bool,
 }
 
@@ -120,6 +123,7 @@ impl Runner {
             state: RobotState::default(),
             retry_ms: None,
             is_suspicious: false,
+            was_heartbeat: false,
             is_closing: false,
         }
     }
@@ -248,7 +252,8 @@ impl Runner {
     fn put_next(&mut self) -> bool {
         // With a virtual clock only when someone waits, so that what is sent does not depend on
         // how quickly the program's threads run.
-        let may_poll = !self.link.is_paced_by_caller() || self.has_callers();
+        let may_poll = (!self.link.is_paced_by_caller() || self.has_callers())
+            && !(self.was_heartbeat && !self.pending.is_empty());
         let now_ms = self.link.now_ms();
         if may_poll
             && let Some(address) = Address::ALL
@@ -263,9 +268,11 @@ impl Runner {
                 dead_man_ms: None,
                 reply: None,
             });
+            self.was_heartbeat = true;
             return true;
         }
         let Some(pending) = self.pending.pop_front() else { return false };
+        self.was_heartbeat = false;
         self.put(pending);
         true
     }
@@ -336,8 +343,9 @@ impl Runner {
                 self.state.counts.answered += 1;
                 self.state.counts.resent += u64::from(tries.saturating_sub(1));
                 self.note(address, &package, now_ms);
-                if address == Address::Motion {
+                if address == Address::Motion && self.state.link != LinkState::Up {
                     self.state.link = LinkState::Up;
+                    self.care_mut(Address::Camera).polled = self.state.camera.is_some();
                 }
                 self.publish(now_ms);
                 self.settle(ticket, |asked| Ok(Answer { address, kind: asked.kind, package }));

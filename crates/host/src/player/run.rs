@@ -5,7 +5,7 @@ use rsapien_protocol::{Address, BumperMask, Mode, MotionReport, Report, Request,
 use super::outcome::{Outcome, PlayReport, Progress, ending_bumpers, interruption};
 use super::{PlayOptions, check};
 use crate::line::{Answer, Line};
-use crate::{Error, Interruption};
+use crate::{Error, Interruption, LinkState};
 
 /// How often the state is asked for while the player has nothing to send, in ms.
 const POLL_MS: u64 = 50;
@@ -223,6 +223,9 @@ impl Run<'_, '_> {
         }
         match error {
             Error::Refused { status, .. } => Ok(Outcome::Refused { status }),
+            Error::OutcomeUnknown { .. } if self.line.state().link != LinkState::Up => {
+                Ok(self.end_without_link(&error, self.accepted + 1))
+            }
             Error::OutcomeUnknown { .. } => {
                 let told = ask(self.line).ok().and_then(|report| {
                     let by = self.interrupted(&report)?;
@@ -236,15 +239,21 @@ impl Run<'_, '_> {
                 Ok(Outcome::Unknown { why: error.to_string() })
             }
             Error::NoAnswer { .. } | Error::LinkLost { .. } => {
-                // Nothing can be done but to try; silence ends motion all the same.
-                let _ = self.line.stop();
-                if self.accepted < self.steps.len() {
-                    return Ok(Outcome::Interrupted { by: Interruption::LinkLost });
-                }
-                Ok(Outcome::Unknown { why: error.to_string() })
+                Ok(self.end_without_link(&error, self.accepted))
             }
             other => Err(other),
         }
+    }
+
+    /// The robot cannot be asked; at most `arrived` steps have reached it.
+    fn end_without_link(&self, error: &Error, arrived: usize) -> Outcome {
+        // Nothing can be done but to try; silence ends motion all the same.
+        let _ = self.line.stop();
+        if arrived < self.steps.len() {
+            return Outcome::Interrupted { by: Interruption::LinkLost };
+        }
+        // With every step in its queue, the robot may have done them all.
+        Outcome::Unknown { why: error.to_string() }
     }
 
     /// Until the action should have ended, at most until the next poll.

@@ -102,6 +102,10 @@ impl Runner {
             | Failure::OutcomeUnknown { address, tries, .. } => (address, tries),
             Failure::Displaced { .. } => return,
         };
+        if address == Address::Camera {
+            // Its tries would keep the line from the motion controller, whose dead-man waits.
+            self.care_mut(address).polled = false;
+        }
         // A camera controller may be missing; the link is what leads to the motion controller. A
         // single try tells nothing: STOP took the place of the next ones.
         if address == Address::Motion && tries > 1 && self.state.link == LinkState::Up {

@@ -1,0 +1,7 @@
+//! The library against the virtual robot, on a virtual clock unless a test needs a real one.
+#![cfg(feature = "virtual")]
+
+mod common;
+mod controllers;
+mod links;
+mod player;

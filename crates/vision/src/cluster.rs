@@ -11,7 +11,7 @@
 
 use crate::ellipse::axis_difference_rad;
 use crate::hough::Candidate;
-use crate::options::ClusterOptions;
+use crate::options::{AngleMeasure, ClusterOptions};
 
 /// Ellipses that are one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,8 +44,12 @@ fn difference(from: &[f64; 5], to: &[f64; 5]) -> [f64; 5] {
 }
 
 /// The distance (10) between two feature vectors.
-pub fn distance(one: &[f64; 5], other: &[f64; 5]) -> f64 {
-    difference(one, other).iter().map(|d| d * d).sum::<f64>().sqrt()
+pub fn distance(one: &[f64; 5], other: &[f64; 5], angle: AngleMeasure) -> f64 {
+    let mut difference = difference(one, other);
+    if angle == AngleMeasure::ContourShift {
+        difference[4] *= one[2] - one[3];
+    }
+    difference.iter().map(|d| d * d).sum::<f64>().sqrt()
 }
 
 /// Clusters `candidates`; the clusters come in the order of falling quality of their founders.
@@ -57,7 +61,7 @@ pub fn cluster(candidates: &[Candidate], options: &ClusterOptions) -> Vec<Cluste
         let features = feature_vector(candidate);
         let nearest = groups
             .iter_mut()
-            .map(|group| (distance(&group.0, &features), group))
+            .map(|group| (distance(&group.0, &features, options.angle), group))
             .min_by(|one, other| one.0.total_cmp(&other.0));
         match nearest {
             Some((near, (centroid, members))) if near <= options.distance_max => {
@@ -74,7 +78,9 @@ pub fn cluster(candidates: &[Candidate], options: &ClusterOptions) -> Vec<Cluste
         .iter()
         .filter(|(_, members)| members.len() >= options.members_min as usize)
         .filter_map(|(centroid, members)| {
-            let near = |candidate: &Candidate| distance(centroid, &feature_vector(candidate));
+            let near = |candidate: &Candidate| {
+                distance(centroid, &feature_vector(candidate), options.angle)
+            };
             let representative =
                 members.iter().min_by(|one, other| near(one).total_cmp(&near(other)))?;
             Some(Cluster {
@@ -85,3 +91,6 @@ pub fn cluster(candidates: &[Candidate], options: &ClusterOptions) -> Vec<Cluste
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -54,7 +54,7 @@ pub struct Statistics {
     pub search_point_pairs: usize,
     /// Draws of two points, those outside the search domain included.
     pub draws: usize,
-    /// Points visited by the voting.
+    /// Points near the pairs: at most as many votes, since not every point falls in the accumulator.
     pub votes: usize,
     /// "Virtual ellipses": candidates that passed the filters, before clustering.
     pub virtual_ellipses: usize,
@@ -186,7 +186,9 @@ impl Detector {
         } else {
             points.as_slice()
         };
-        let found = timed(&mut cost.hough, || search(searched, &options.hough, seed));
+        let found = timed(&mut cost.hough, || {
+            search(searched, &options.hough, options.filter.side_votes_min(), seed)
+        });
         if found.truncated() {
             limits.push(Limit::Pairs);
         }
@@ -230,3 +232,6 @@ fn timed<T>(cost: &mut Duration, stage: impl FnOnce() -> T) -> T {
     *cost = start.elapsed();
     result
 }
+
+#[cfg(test)]
+mod tests;

@@ -70,3 +70,60 @@ fn blend(picture: &mut Picture, x: usize, y: usize, color: Color, cover: f64) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn blank() -> Picture {
+        Picture::new(vec![0; 100 * 80 * 3], 100, 80).expect("a picture")
+    }
+
+    #[test]
+    fn drawn_pixels_lie_on_the_contour_and_all_of_it_is_drawn() {
+        let truth = Ellipse {
+            center_x_px: 50.0,
+            center_y_px: 40.0,
+            semi_major_px: 30.0,
+            semi_minor_px: 18.0,
+            theta_rad: 0.7,
+        };
+        let mut picture = blank();
+        ellipse(&mut picture, &truth, [255, 0, 0]);
+        for y in 0..80 {
+            for x in 0..100 {
+                let red = picture.rgb()[(y * 100 + x) * 3];
+                let distance = truth.distance_px(x as f64, y as f64).abs();
+                assert!(red == 0 || distance < 1.3, "({x}, {y}) is {red} at {distance} px");
+                assert!(red == 255 || distance > 0.2, "({x}, {y}) is {red} at {distance} px");
+            }
+        }
+    }
+
+    #[test]
+    fn what_lies_outside_is_cut_and_nonsense_draws_nothing() {
+        let shape = |x, y, a, b| Ellipse {
+            center_x_px: x,
+            center_y_px: y,
+            semi_major_px: a,
+            semi_minor_px: b,
+            theta_rad: 1.0,
+        };
+        for far in [
+            shape(-500.0, 9.0, 30.0, 20.0),
+            shape(1e300, -1e300, 5.0, 5.0),
+            shape(f64::NAN, 9.0, 30.0, 20.0),
+        ] {
+            let mut picture = blank();
+            ellipse(&mut picture, &far, [255; 3]);
+            if far.center_x_px.is_finite() {
+                cross(&mut picture, &far, [255; 3]);
+            }
+            assert_eq!(picture, blank(), "{far:?}");
+        }
+        let mut picture = blank();
+        ellipse(&mut picture, &shape(0.0, 0.0, 30.0, 20.0), [255; 3]);
+        cross(&mut picture, &shape(0.0, 0.0, 30.0, 20.0), [255; 3]);
+        assert_ne!(picture, blank());
+    }
+}

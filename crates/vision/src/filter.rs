@@ -8,13 +8,17 @@
 use crate::hough::Candidate;
 use crate::options::FilterOptions;
 
-/// Whether a candidate passes all three filters.
+/// Whether a candidate passes all the filters.
 pub fn passes(candidate: &Candidate, options: &FilterOptions) -> bool {
-    let [one, other] = candidate.votes_by_side;
-    let (poorer, richer) = (one.min(other), one.max(other));
     candidate.quality() >= options.quality_min
-        && poorer > 0
-        && f64::from(poorer) >= options.side_proportion_min * f64::from(richer)
+        && candidate.votes_by_major_side().iter().all(|&votes| votes > 0)
+        && in_proportion(candidate.votes_by_major_side(), options.side_proportion_min)
+        && in_proportion(candidate.votes_by_minor_side(), options.side_proportion_min)
+}
+
+/// Whether the poorer of two sides has at least `least` times the points of the richer one.
+fn in_proportion([one, other]: [u32; 2], least: f64) -> bool {
+    f64::from(one.min(other)) >= least * f64::from(one.max(other))
 }
 
 /// The candidates that pass, in their order: the paper's "virtual ellipses".
@@ -37,15 +41,24 @@ mod tests {
             theta_rad: 0.0,
         };
         let options = FilterOptions { quality_min: 100, side_proportion_min: 0.5 };
-        let passes = |one, other, options: &FilterOptions| {
-            super::passes(&Candidate { ellipse, votes_by_side: [one, other] }, options)
+        let passes = |votes_by_quadrant, options: &FilterOptions| {
+            super::passes(&Candidate { ellipse, votes_by_quadrant }, options)
         };
-        assert!(passes(50, 50, &options));
-        assert!(!passes(50, 49, &options), "quality");
-        assert!(passes(40, 80, &options));
-        assert!(!passes(39, 80, &options) && !passes(80, 39, &options), "proportion");
+        assert!(passes([25, 25, 25, 25], &options));
+        assert!(!passes([25, 25, 25, 24], &options), "quality");
+        assert!(passes([40, 40, 20, 20], &options) && passes([40, 20, 40, 20], &options));
+        assert!(!passes([40, 41, 20, 20], &options), "proportion across the major axis");
+        assert!(!passes([40, 20, 41, 20], &options), "proportion across the minor axis");
         let any_proportion = FilterOptions { side_proportion_min: 0.0, ..options };
-        assert!(passes(1, 150, &any_proportion));
-        assert!(!passes(0, 150, &any_proportion), "both sides");
+        assert!(passes([99, 0, 1, 0], &any_proportion));
+        assert!(!passes([80, 80, 0, 0], &any_proportion), "both sides of the major axis");
+    }
+
+    #[test]
+    fn the_least_votes_of_a_side_are_what_the_filters_ask_for() {
+        // Quality 380 in proportion 0.5: 127 against 253 is the poorest that passes.
+        let options = FilterOptions { quality_min: 380, side_proportion_min: 0.5 };
+        assert_eq!(options.side_votes_min(), 126);
+        assert!(in_proportion([127, 253], 0.5) && !in_proportion([126, 254], 0.5));
     }
 }

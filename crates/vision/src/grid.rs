@@ -1,6 +1,9 @@
 //! Edge points sorted into small tiles, so that voting visits only those near a candidate.
 
+use std::ops::Range;
+
 use crate::edge::EdgePoint;
+use crate::vote::Axis;
 
 /// Side of a tile in pixels.
 const TILE_PX: usize = 8;
@@ -10,8 +13,7 @@ pub(crate) const LANES: usize = 8;
 /// The points tile by tile, tile rows from the top, tiles of a row from the left.
 ///
 /// The tiles of one row that a circle touches lie side by side in memory: one run a tile row. Behind each tile row
-/// stand `LANES` points that are not a number and never vote, so a run may be rounded up to whole lane groups: what
-/// it reads too much lies outside the circle or is not a number.
+/// stand `LANES` points that are not a number, so a run may be read on to the end of a lane group.
 pub(crate) struct PointGrid {
     pub(crate) xs: Vec<f32>,
     pub(crate) ys: Vec<f32>,
@@ -19,13 +21,6 @@ pub(crate) struct PointGrid {
     starts: Vec<u32>,
     tiles_x: usize,
     tiles_y: usize,
-}
-
-/// Points `start..end` of the grid's arrays.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Run {
-    pub(crate) start: usize,
-    pub(crate) end: usize,
 }
 
 impl PointGrid {
@@ -61,37 +56,93 @@ impl PointGrid {
         Self { xs, ys, starts, tiles_x, tiles_y }
     }
 
-    /// Writes to `runs` the runs that together hold every point within `radius` of (`x`, `y`), and returns how many
-    /// points that are.
-    pub(crate) fn runs_around(&self, x: f32, y: f32, radius: f32, runs: &mut Vec<Run>) -> usize {
-        runs.clear();
+    /// The runs that together hold every point within the length of `axis` from its centre, split along the minor axis:
+    /// in `near_half` those runs that hold the points of the half with fewer of them, in `far_half` the rest.
+    pub(crate) fn halves_around(&self, axis: Axis, halves: &mut Halves) {
+        halves.clear();
         if self.tiles_x == 0 || self.tiles_y == 0 {
-            return 0;
+            return;
         }
         let tile_px = TILE_PX as f32;
-        // Casts cut down and clip at 0; the circle is widened a little against rounding.
-        let radius = radius + 0.01;
-        let first = ((y - radius) / tile_px) as usize;
-        let last = (((y + radius) / tile_px) as usize).min(self.tiles_y - 1);
-        let mut total = 0;
+        let Axis { center_x, center_y, half_x, half_y } = axis;
+        // The circle and the border between the halves are widened a little against rounding.
+        let radius = (half_x * half_x + half_y * half_y).sqrt() + 0.01;
+        // Where the minor axis crosses a row: x = center_x - (y - center_y) slope. An almost upright major axis gives a
+        // steep border that any finite slope bounds, since the widest picture ends within it.
+        let slope = half_y / half_x.max(1e-6);
+        let first = ((center_y - radius) / tile_px) as usize;
+        let last = (((center_y + radius) / tile_px) as usize).min(self.tiles_y - 1);
         for tile_y in first..=last {
-            let top = (tile_y * TILE_PX) as f32;
-            let nearest = (top - y).max(y - (top + tile_px - 1.0)).max(0.0);
-            let half = (radius * radius - nearest * nearest).max(0.0).sqrt();
-            let left = ((x - half) / tile_px) as usize;
-            let right = (((x + half) / tile_px) as usize).min(self.tiles_x - 1);
-            if left > right {
+            let top = (tile_y * TILE_PX) as f32 - center_y;
+            let bottom = top + (tile_px - 1.0);
+            let nearest = top.max(-bottom).max(0.0);
+            let reach = (radius * radius - nearest * nearest).max(0.0).sqrt();
+            // Casts cut down and clip at 0.
+            let left = ((center_x - reach) / tile_px) as usize;
+            let behind = (((center_x + reach) / tile_px) as usize + 1).min(self.tiles_x);
+            if left >= behind {
                 continue;
             }
-            let row = tile_y * (self.tiles_x + 1);
-            let (start, end) =
-                (self.starts[row + left] as usize, self.starts[row + right + 1] as usize);
-            if start < end {
-                runs.push(Run { start, end });
-                total += end - start;
-            }
+            let (one, other) = (center_x - top * slope, center_x - bottom * slope);
+            // Tiles before `back_end` hold all that lies behind the minor axis, those from `front_start` on all before it.
+            let back_end = (((one.max(other) + 0.01) / tile_px) as usize + 1).clamp(left, behind);
+            let front_start = (((one.min(other) - 0.01) / tile_px) as usize).clamp(left, behind);
+            let row = &self.starts[tile_y * (self.tiles_x + 1)..];
+            let at = |tile: usize| row[tile] as usize;
+            halves.rows.push([at(left), at(front_start), at(back_end), at(behind)]);
+            halves.back += at(back_end) - at(left);
+            halves.front += at(behind) - at(front_start);
+            halves.all += at(behind) - at(left);
         }
-        total
+    }
+}
+
+/// The runs around a pair, a tile row each, with two ways to cut them.
+#[derive(Debug, Default)]
+pub(crate) struct Halves {
+    /// Start of the run, start of what lies before the minor axis, end of what lies behind it, end of the run. The tiles
+    /// that the minor axis crosses belong to both.
+    rows: Vec<[usize; 4]>,
+    back: usize,
+    front: usize,
+    all: usize,
+}
+
+impl Halves {
+    fn clear(&mut self) {
+        self.rows.clear();
+        (self.back, self.front, self.all) = (0, 0, 0);
+    }
+
+    /// All points around the pair.
+    pub(crate) fn len(&self) -> usize {
+        self.all
+    }
+
+    /// Points in [`first`](Self::first).
+    pub(crate) fn first_len(&self) -> usize {
+        self.back.min(self.front)
+    }
+
+    /// Runs with every point on the emptier side of the minor axis, and some of the other side.
+    pub(crate) fn first(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let back = self.back <= self.front;
+        self.rows.iter().map(
+            move |&[start, front, back_end, end]| if back { start..back_end } else { front..end },
+        )
+    }
+
+    /// The runs that [`first`](Self::first) left out.
+    pub(crate) fn rest(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let back = self.back <= self.front;
+        self.rows.iter().map(
+            move |&[start, front, back_end, end]| if back { back_end..end } else { start..front },
+        )
+    }
+
+    /// Whether [`first`](Self::first) covers the side behind the minor axis, against the direction of the axis.
+    pub(crate) fn first_is_back(&self) -> bool {
+        self.back <= self.front
     }
 }
 
@@ -104,25 +155,33 @@ mod tests {
         #[test]
         fn every_point_within_the_radius_is_in_exactly_one_run(
             coordinates in prop::collection::btree_set((0_u16..60, 0_u16..60), 0..200),
-            x in 0.0..60.0_f32, y in 0.0..60.0_f32, radius in 1.0..40.0_f32,
+            x in 0_u16..120, y in 0_u16..120, half_x in 0_u16..80, half_y in -80_i16..80,
         ) {
             let points: Vec<_> = coordinates.iter().map(|&(x, y)| EdgePoint { x, y }).collect();
             let grid = PointGrid::new(&points);
-            let mut runs = Vec::new();
-            let total = grid.runs_around(x, y, radius, &mut runs);
-            let mut visited: Vec<_> = runs.iter().flat_map(|run| run.start..run.end).collect();
-            prop_assert_eq!(visited.len(), total);
-            visited.dedup();
-            prop_assert_eq!(visited.len(), total, "runs overlap");
-            let near = |px: f32, py: f32| (px - x).hypot(py - y) <= radius;
-            let found = visited.iter().filter(|&&i| near(grid.xs[i], grid.ys[i])).count();
-            let wanted = points.iter().filter(|point| near(f32::from(point.x), f32::from(point.y))).count();
-            prop_assert_eq!(found, wanted);
-            // Reading past a run's end up to whole lane groups meets no point within the radius.
-            for run in &runs {
-                let padded = run.start + (run.end - run.start).next_multiple_of(LANES);
-                prop_assert!((run.end..padded).all(|i| !near(grid.xs[i], grid.ys[i])));
-            }
+            let half_y = if half_x == 0 { half_y.abs() } else { half_y };
+            let half = |value: f32| value / 2.0;
+            let axis = Axis {
+                center_x: half(x.into()), center_y: half(y.into()), half_x: half(half_x.into()), half_y: half(half_y.into()),
+            };
+            let mut halves = Halves::default();
+            grid.halves_around(axis, &mut halves);
+            let first: Vec<_> = halves.first().flatten().collect();
+            let mut all: Vec<_> = first.iter().copied().chain(halves.rest().flatten()).collect();
+            prop_assert_eq!((first.len(), all.len()), (halves.first_len(), halves.len()));
+            all.sort_unstable();
+            all.dedup();
+            prop_assert_eq!(all.len(), halves.len(), "runs overlap");
+            let near = |i: &&usize| (grid.xs[**i] - axis.center_x).hypot(grid.ys[**i] - axis.center_y)
+                <= axis.half_x.hypot(axis.half_y);
+            let wanted = (0..grid.xs.len()).collect::<Vec<_>>().iter().filter(near).count();
+            prop_assert_eq!(all.iter().filter(near).count(), wanted);
+            // The first half holds all near points of its side.
+            let on_side = |i: &&usize| {
+                let along = (grid.xs[**i] - axis.center_x) * axis.half_x + (grid.ys[**i] - axis.center_y) * axis.half_y;
+                near(i) && (along.is_sign_negative() == halves.first_is_back())
+            };
+            prop_assert_eq!(first.iter().filter(on_side).count(), all.iter().filter(on_side).count());
         }
     }
 }

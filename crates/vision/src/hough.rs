@@ -19,9 +19,9 @@ use rayon::prelude::*;
 
 use crate::edge::EdgePoint;
 use crate::ellipse::Ellipse;
-use crate::grid::PointGrid;
+use crate::grid::{Halves, PointGrid};
 use crate::options::HoughOptions;
-use crate::vote::{Accumulator, Axis};
+use crate::vote::{Axis, Peak};
 
 /// Pairs in a batch.
 pub const BATCH_PAIRS: usize = 64;
@@ -37,21 +37,34 @@ pub const VOTES_MAX: usize = 1 << 29;
 pub struct Candidate {
     /// The proposal, in canonical form.
     pub ellipse: Ellipse,
-    /// Points in the fullest bin on either side of the major axis.
-    pub votes_by_side: [u32; 2],
+    /// Points in the fullest bin by quadrant of the ellipse: 0 and 2 lie on one side of the minor axis, 1 and 3 on the
+    /// other; 0 and 1 lie on one side of the major axis, 2 and 3 on the other.
+    pub votes_by_quadrant: [u32; 4],
 }
 
 impl Candidate {
     /// The paper's "ellipse quality": the number of edge points on the contour.
     pub fn quality(&self) -> u32 {
-        self.votes_by_side[0] + self.votes_by_side[1]
+        self.votes_by_quadrant.iter().sum()
+    }
+
+    /// Points on either side of the major axis.
+    pub fn votes_by_major_side(&self) -> [u32; 2] {
+        let [a, b, c, d] = self.votes_by_quadrant;
+        [a + b, c + d]
+    }
+
+    /// Points on either side of the minor axis.
+    pub fn votes_by_minor_side(&self) -> [u32; 2] {
+        let [a, b, c, d] = self.votes_by_quadrant;
+        [a + c, b + d]
     }
 }
 
 /// What a search did and found.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Search {
-    /// One candidate a pair that got any vote, in the order of drawing.
+    /// The candidates in the order of drawing.
     pub candidates: Vec<Candidate>,
     /// Pairs that the options ask for: m = C n.
     pub pairs_wanted: usize,
@@ -59,7 +72,7 @@ pub struct Search {
     pub pairs: usize,
     /// Draws of two points, those outside the search domain included.
     pub draws: usize,
-    /// Points visited by the voting, those that fell outside the accumulator included.
+    /// Points near the pairs: at most as many votes, since not every point falls in the accumulator.
     pub votes: usize,
 }
 
@@ -72,9 +85,18 @@ impl Search {
 
 /// Runs the search over `points` on rayon's current threads.
 ///
+/// Candidates with fewer than `side_votes_min` votes on either side of the minor axis are left out, which ends the voting
+/// of most pairs half way; [`FilterOptions::side_votes_min`](crate::options::FilterOptions::side_votes_min) is the number that the filters
+/// would not let pass anyway. With 0 every pair that got a vote gives a candidate.
+///
 /// Fewer than two points give no pairs. The same points, options and seed give the same result on any number of
 /// threads. Time and memory are bounded by [`PAIRS_MAX`], [`DRAWS_PER_PAIR_MAX`] and [`VOTES_MAX`].
-pub fn search(points: &[EdgePoint], options: &HoughOptions, seed: u64) -> Search {
+pub fn search(
+    points: &[EdgePoint],
+    options: &HoughOptions,
+    side_votes_min: u32,
+    seed: u64,
+) -> Search {
     let pairs_wanted = points.len().saturating_mul(options.pairs_per_edge_point as usize);
     if points.len() < 2 || pairs_wanted == 0 {
         return Search { pairs_wanted, ..Search::default() };
@@ -86,8 +108,8 @@ pub fn search(points: &[EdgePoint], options: &HoughOptions, seed: u64) -> Search
     let found: Vec<Search> = (0..batches)
         .into_par_iter()
         .map_init(
-            || (options.accumulator(), Vec::new()),
-            |(accumulator, runs), batch| {
+            || (options.accumulator(), Halves::default()),
+            |(accumulator, halves), batch| {
                 let mut random = batch_generator(seed, batch as u64);
                 let mut found = Search::default();
                 let wanted = BATCH_PAIRS.min(pairs - batch * BATCH_PAIRS);
@@ -99,10 +121,10 @@ pub fn search(points: &[EdgePoint], options: &HoughOptions, seed: u64) -> Search
                     let (one, other) = (draw(points, &mut random), draw(points, &mut random));
                     let Some(axis) = axis_in_domain(one, other, options) else { continue };
                     found.pairs += 1;
-                    let radius = axis.half_x.hypot(axis.half_y);
-                    found.votes += grid.runs_around(axis.center_x, axis.center_y, radius, runs);
-                    accumulator.vote(&grid, runs, axis);
-                    found.candidates.extend(complete(axis, accumulator));
+                    grid.halves_around(axis, halves);
+                    let peak = accumulator.vote(&grid, halves, axis, side_votes_min);
+                    found.votes += std::mem::take(&mut accumulator.visited);
+                    found.candidates.extend(peak.map(|peak| complete(axis, peak)));
                 }
                 found
             },
@@ -140,6 +162,8 @@ fn axis_in_domain(one: EdgePoint, other: EdgePoint, options: &HoughOptions) -> O
     let (x1, y1) = (f32::from(one.x), f32::from(one.y));
     let (x2, y2) = (f32::from(other.x), f32::from(other.y));
     let (half_x, half_y) = ((x2 - x1) / 2.0, (y2 - y1) / 2.0);
+    let leftward = half_x < 0.0 || (half_x == 0.0 && half_y < 0.0);
+    let (half_x, half_y) = if leftward { (-half_x, -half_y) } else { (half_x, half_y) };
     let a2 = half_x * half_x + half_y * half_y;
     let (least, greatest) = (options.semi_major_min_px, options.semi_major_max_px);
     (a2 >= least * least && a2 <= greatest * greatest).then_some(Axis {
@@ -150,12 +174,8 @@ fn axis_in_domain(one: EdgePoint, other: EdgePoint, options: &HoughOptions) -> O
     })
 }
 
-/// The candidate of a pair whose accumulator is filled; `None` when nothing voted.
-fn complete(axis: Axis, accumulator: &Accumulator) -> Option<Candidate> {
-    let peak = accumulator.peak();
-    if peak.votes_by_side == [0, 0] {
-        return None;
-    }
+/// The candidate of a pair and the fullest bin of its accumulator.
+fn complete(axis: Axis, peak: Peak) -> Candidate {
     let (half_x, half_y) = (f64::from(axis.half_x), f64::from(axis.half_y));
     let semi_major_px = half_x.hypot(half_y);
     let ellipse = Ellipse {
@@ -166,5 +186,8 @@ fn complete(axis: Axis, accumulator: &Accumulator) -> Option<Candidate> {
         semi_minor_px: f64::from(peak.semi_minor_px).min(semi_major_px),
         theta_rad: half_y.atan2(half_x),
     };
-    Some(Candidate { ellipse: ellipse.canonical(), votes_by_side: peak.votes_by_side })
+    Candidate { ellipse: ellipse.canonical(), votes_by_quadrant: peak.votes_by_quadrant }
 }
+
+#[cfg(test)]
+mod tests;

@@ -225,3 +225,6 @@ fn codec_error(error: CodecError, format: &'static str) -> PictureError {
         other => broken(&other),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,6 +20,8 @@ pub mod image;
 pub mod io;
 pub mod noise;
 pub mod options;
+#[cfg(test)]
+mod test_pictures;
 pub mod threshold;
 mod vote;
 
@@ -29,4 +31,6 @@ pub use ellipse::Ellipse;
 pub use image::{ColorView, GrayImage, GrayView, ImageError, PixelLayout};
 #[cfg(feature = "image")]
 pub use io::{Picture, PictureError};
-pub use options::{ClusterOptions, FilterOptions, HoughOptions, Options, OptionsError, Preset};
+pub use options::{
+    AngleMeasure, ClusterOptions, FilterOptions, HoughOptions, Options, OptionsError, Preset,
+};

@@ -64,9 +64,22 @@ pub struct FilterOptions {
 pub struct ClusterOptions {
     /// The paper's D_T: greatest distance (10) from the centroid at which an ellipse belongs to a cluster, above 0.
     pub distance_max: f64,
+    /// How the angle enters the distance (10).
+    pub angle: AngleMeasure,
     /// Least number of members of a cluster that is reported, `1..`. 2 drops the single ones, as the authors'
     /// own program does; the paper does not mention it.
     pub members_min: u32,
+}
+
+/// How a difference of angles counts beside differences in pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AngleMeasure {
+    /// As it is, in radians: next to pixels practically nothing.
+    #[default]
+    Radians,
+    /// As the number of pixels by which it moves the ends of the axes off the contour: `(a - b) Δα`, with the axes of the
+    /// centroid. Nothing for a circle, which has no angle.
+    ContourShift,
 }
 
 /// An option outside its range.
@@ -101,10 +114,14 @@ impl Options {
                 semi_major_max_px: 90.0,
                 semi_minor_min_px: 15.0,
                 semi_minor_max_px: 90.0,
-                bin_width_px: 2.0,
+                bin_width_px: 4.0,
             },
-            filter: FilterOptions { quality_min: 150, side_proportion_min: 0.5 },
-            cluster: ClusterOptions { distance_max: 20.0, members_min: 1 },
+            filter: FilterOptions { quality_min: 380, side_proportion_min: 0.5 },
+            cluster: ClusterOptions {
+                distance_max: 20.0,
+                members_min: 1,
+                angle: AngleMeasure::ContourShift,
+            },
         }
     }
 
@@ -177,6 +194,16 @@ impl HoughOptions {
 
     pub(crate) fn accumulator(&self) -> Accumulator {
         Accumulator::new(self.semi_minor_min_px, self.bin_width_px, self.bins())
+    }
+}
+
+impl FilterOptions {
+    /// Votes that either side of an axis must have for a candidate to pass: with the proportion `p` between the sides and
+    /// the quality `q` in all, `q p / (1 + p)`, cut down to an integer.
+    pub fn side_votes_min(&self) -> u32 {
+        let p = self.side_proportion_min;
+        // At most half of a u32.
+        (f64::from(self.quality_min) * p / (1.0 + p)) as u32
     }
 }
 

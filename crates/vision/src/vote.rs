@@ -7,25 +7,30 @@
 //! `b² = V² A / ((A - U) (A + U))` with `A = a²`.
 //!
 //! A point votes when `b` lies in the range of the semi-minor axis and is at most `a`. `b <= a` is the same as `d <= a`,
-//! the condition that the third point is no farther from the centre than the vertices; for `d > a` beyond the vertices
-//! the quotient is negative, its root not a number, and no vote.
+//! the condition that the third point is no farther from the centre than the vertices; beyond the vertices the quotient
+//! is negative and its root not a number, which is no vote.
 //!
-//! Bin `k` is centred on `b_min + k w` (`w` the bin width), so `b` falls in the nearest bin, at exactly half way in the even
-//! one. Against the formulas in exact arithmetic a vote may move to the neighbouring bin only when `b` lies within a
-//! relative 1e-5 of a border. Only additions, multiplications, divisions and roots that IEEE 754 rounds exactly are
+//! Bin `k` holds `b` from `b_min + k w` to `b_min + (k + 1) w` (`w` the bin width) and stands for its middle. Against
+//! the formulas in exact arithmetic a vote may move to the neighbouring bin only when `b` lies within a relative 1e-5 of
+//! a border. Only additions, multiplications, divisions and roots that IEEE 754 rounds exactly are
 //! used: the votes are the same on every machine.
 
-use crate::grid::{LANES, PointGrid, Run};
+use std::ops::Range;
 
-/// Accumulator slots a side of the major axis; two of them catch what lies outside the range.
-const SIDE_SLOTS: usize = 2048;
+use crate::grid::{Halves, LANES, PointGrid};
+
+/// Accumulator slots a quadrant of the ellipse; two of them catch what lies outside the range.
+const QUADRANT_SLOTS: usize = 1024;
 /// Most bins that an accumulator may have.
-pub(crate) const BINS_MAX: usize = SIDE_SLOTS - 2;
+pub(crate) const BINS_MAX: usize = QUADRANT_SLOTS - 2;
+/// Slots that are gathered before they are counted.
+const GATHERED_MAX: usize = 2048;
 /// Counter copies that take turns, so that neighbours in one bin need not wait for each other's count.
 const COPIES: usize = 2;
-const SLOTS: usize = 2 * SIDE_SLOTS;
+const SLOTS: usize = 4 * QUADRANT_SLOTS;
 
-/// What voting needs to know of a pair: the centre and the vector from the centre to one vertex, in pixels.
+/// What voting needs to know of a pair: the centre and the vector from the centre to one vertex, in pixels. Of the two
+/// vertices the right one is taken (of an upright pair the lower one), so `half_x >= 0`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Axis {
     pub(crate) center_x: f32,
@@ -36,97 +41,184 @@ pub(crate) struct Axis {
 
 /// The quantised accumulator for the semi-minor axis.
 pub(crate) struct Accumulator {
-    slots: Box<[[u32; SLOTS]; COPIES]>,
+    counts: Box<[[u32; SLOTS]; COPIES]>,
+    /// Slots found and not yet counted.
+    gathered: Box<[u32; GATHERED_MAX]>,
     first_px: f32,
     width_px: f32,
     bins: usize,
+    /// Points visited since the accumulator was made.
+    pub(crate) visited: usize,
 }
 
 /// The fullest bin of an accumulator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Peak {
     pub(crate) semi_minor_px: f32,
-    /// Votes from either side of the major axis.
-    pub(crate) votes_by_side: [u32; 2],
+    /// Votes by quadrant; bit 0 of the index is set before the centre along the axis, bit 1 on its left.
+    pub(crate) votes_by_quadrant: [u32; 4],
 }
 
 impl Accumulator {
     /// `bins` is at most [`BINS_MAX`].
     pub(crate) fn new(first_px: f32, width_px: f32, bins: usize) -> Self {
-        let slots = Box::new([[0; SLOTS]; COPIES]);
-        Self { slots, first_px, width_px, bins: bins.min(BINS_MAX) }
+        let (counts, gathered) = (Box::new([[0; SLOTS]; COPIES]), Box::new([0; GATHERED_MAX]));
+        Self { counts, gathered, first_px, width_px, bins: bins.min(BINS_MAX), visited: 0 }
     }
 
-    /// Empties the accumulator and lets the points of `runs` vote for the ellipses on `axis`.
-    pub(crate) fn vote(&mut self, grid: &PointGrid, runs: &[Run], axis: Axis) {
-        for copy in self.slots.iter_mut() {
-            copy[..self.bins + 2].fill(0);
-            copy[SIDE_SLOTS..SIDE_SLOTS + self.bins + 2].fill(0);
+    /// Empties the accumulator, lets the points of `halves` vote for the ellipses on `axis`, and returns the fullest bin
+    /// (of equals the one with the least semi-minor axis) if it has `side_votes_min` votes or more on both sides of the
+    /// minor axis. The voting ends half way when no bin can reach that.
+    pub(crate) fn vote(
+        &mut self,
+        grid: &PointGrid,
+        halves: &Halves,
+        axis: Axis,
+        side_votes_min: u32,
+    ) -> Option<Peak> {
+        if (halves.first_len() as u64) < u64::from(side_votes_min) {
+            return None;
         }
-        for run in runs {
-            let end = run.start + (run.end - run.start).next_multiple_of(LANES);
-            let (xs, ys) = (&grid.xs[run.start..end], &grid.ys[run.start..end]);
-            vote_run(xs, ys, axis, self.first_px, self.width_px, self.bins, &mut self.slots);
+        for copy in self.counts.iter_mut() {
+            for quadrant in copy.chunks_exact_mut(QUADRANT_SLOTS) {
+                quadrant[..self.bins + 2].fill(0);
+            }
         }
+        self.vote_runs(grid, halves.first(), axis);
+        let first_side = usize::from(halves.first_is_back());
+        if (0..self.bins).all(|bin| {
+            let votes = self.votes(bin);
+            votes[first_side] + votes[first_side + 2] < side_votes_min
+        }) {
+            return None;
+        }
+        self.vote_runs(grid, halves.rest(), axis);
+        let peak = self.peak();
+        let [a, b, c, d] = peak.votes_by_quadrant;
+        (a + c >= side_votes_min && b + d >= side_votes_min && a + b + c + d > 0).then_some(peak)
     }
 
-    /// The votes of bin `k` by side.
-    fn votes(&self, bin: usize) -> [u32; 2] {
-        [0, SIDE_SLOTS].map(|side| self.slots.iter().map(|copy| copy[side + bin + 1]).sum())
+    fn vote_runs(
+        &mut self,
+        grid: &PointGrid,
+        runs: impl Iterator<Item = Range<usize>>,
+        axis: Axis,
+    ) {
+        let scale = Scale::new(axis, self.first_px, self.width_px, self.bins);
+        // Runs are short; their slots are gathered so that the counting is one long loop.
+        let mut gathered = 0;
+        for mut run in runs {
+            while !run.is_empty() {
+                if gathered + LANES > GATHERED_MAX {
+                    count(&self.gathered[..gathered], &mut self.counts);
+                    gathered = 0;
+                }
+                let room = (GATHERED_MAX - gathered) / LANES * LANES;
+                let len = run.len().min(room);
+                // Read on to the end of a lane group; what is too much is overwritten by the next run.
+                let read = len.next_multiple_of(LANES);
+                let (xs, ys) = (&grid.xs[run.start..][..read], &grid.ys[run.start..][..read]);
+                find_slots(xs, ys, scale, &mut self.gathered[gathered..gathered + read]);
+                gathered += len;
+                run.start += len;
+                self.visited += len;
+            }
+        }
+        count(&self.gathered[..gathered], &mut self.counts);
     }
 
-    /// The fullest bin, of equals the one with the least semi-minor axis.
-    pub(crate) fn peak(&self) -> Peak {
-        let mut best = (0, 0);
+    /// The votes of a bin by quadrant.
+    fn votes(&self, bin: usize) -> [u32; 4] {
+        [0, 1, 2, 3].map(|quadrant| {
+            self.counts.iter().map(|copy| copy[quadrant * QUADRANT_SLOTS + bin + 1]).sum()
+        })
+    }
+
+    fn peak(&self) -> Peak {
+        let mut best = (0_u32, 0_usize);
         for bin in 0..self.bins {
-            let [one, other] = self.votes(bin);
-            if one + other > best.0 {
-                best = (one + other, bin);
+            let votes = self.votes(bin).iter().sum();
+            if votes > best.0 {
+                best = (votes, bin);
             }
         }
         Peak {
-            semi_minor_px: self.first_px + best.1 as f32 * self.width_px,
-            votes_by_side: self.votes(best.1),
+            semi_minor_px: self.first_px + (best.1 as f32 + 0.5) * self.width_px,
+            votes_by_quadrant: self.votes(best.1),
         }
     }
 }
 
-/// The hot loop, whole lane groups of points at a time. Slot 0 of a side takes what is below the first bin, slot
-/// `bins + 1` what is above the last or not a number.
-fn vote_run(
-    xs: &[f32],
-    ys: &[f32],
+/// What the hot loop holds in registers.
+#[derive(Debug, Clone, Copy)]
+struct Scale {
     axis: Axis,
-    first_px: f32,
-    width_px: f32,
-    bins: usize,
-    slots: &mut [[u32; SLOTS]; COPIES],
-) {
-    /// Adding 2^23 to a number in `0..2^23` rounds it to an integer and leaves that in the low bits.
-    const TO_INTEGER: f32 = 8_388_608.0;
-    let Axis { center_x, center_y, half_x, half_y } = axis;
-    let a2 = half_x * half_x + half_y * half_y;
-    let per_px = 1.0 / width_px;
-    let shift = 1.0 - first_px * per_px;
-    let above = (bins + 1) as f32;
-    for (xs, ys) in xs.chunks_exact(LANES).zip(ys.chunks_exact(LANES)) {
-        let mut index = [0_u32; LANES];
-        for ((index, x), y) in index.iter_mut().zip(xs).zip(ys) {
-            let (dx, dy) = (x - center_x, y - center_y);
-            let along = dx * half_x + dy * half_y;
-            let across = dy * half_x - dx * half_y;
-            let b = (across * across * a2 / ((a2 - along) * (a2 + along))).sqrt();
-            let place = b * per_px + shift;
-            // In this order a value that is not a number ends above.
-            let place = if place < above { place } else { above };
-            let place = if place > 0.0 { place } else { 0.0 };
-            let side = (across.to_bits() >> 31) * SIDE_SLOTS as u32;
-            *index = ((place + TO_INTEGER).to_bits() & (SIDE_SLOTS as u32 - 1)) + side;
+    /// a².
+    a2: f32,
+    /// a² in squares of bin widths.
+    a2_bins: f32,
+    /// From `b` in bin widths to slots.
+    shift: f32,
+    /// Greatest `b` that votes, in bin widths: `a` or the end of the last bin.
+    limit_bins: f32,
+}
+
+impl Scale {
+    fn new(axis: Axis, first_px: f32, width_px: f32, bins: usize) -> Self {
+        let per_px = 1.0 / width_px;
+        let a2 = axis.half_x * axis.half_x + axis.half_y * axis.half_y;
+        Self {
+            axis,
+            a2,
+            a2_bins: a2 * per_px * per_px,
+            // Slots are rounded to, so half a slot below the lower border of bin 0, which is slot 1.
+            shift: 0.5 - first_px * per_px,
+            limit_bins: a2.sqrt().min(first_px + bins as f32 * width_px) * per_px,
         }
-        for pair in index.chunks_exact(COPIES) {
-            for (copy, &index) in slots.iter_mut().zip(pair) {
-                copy[index as usize % SLOTS] += 1;
+    }
+
+    /// The slot of a point: 0 of its quadrant when it does not vote, else the number of its bin and 1.
+    #[inline(always)]
+    fn slot(&self, x: f32, y: f32) -> u32 {
+        /// Adding 2^23 to a number in `0..2^23` rounds it to an integer and leaves that in the low bits.
+        const TO_INTEGER: f32 = 8_388_608.0;
+        let Axis { center_x, center_y, half_x, half_y } = self.axis;
+        let (dx, dy) = (x - center_x, y - center_y);
+        let along = dx * half_x + dy * half_y;
+        let across = dy * half_x - dx * half_y;
+        let b_bins =
+            (across * across * self.a2_bins / ((self.a2 - along) * (self.a2 + along))).sqrt();
+        let place = b_bins + self.shift;
+        // A value that is not a number is not within the limit either.
+        let place = if b_bins <= self.limit_bins { place } else { 0.0 };
+        let place = if place > 0.0 { place } else { 0.0 };
+        let quadrant = ((across.to_bits() >> 31) << 1) | (along.to_bits() >> 31);
+        ((place + TO_INTEGER).to_bits() & (QUADRANT_SLOTS as u32 - 1))
+            | (quadrant * QUADRANT_SLOTS as u32)
+    }
+}
+
+/// The hot loop: the slots of a run of points. Its body has no branch, so the compiler takes several points at a time.
+fn find_slots(xs: &[f32], ys: &[f32], scale: Scale, slots: &mut [u32]) {
+    for ((slot, &x), &y) in slots.iter_mut().zip(xs).zip(ys) {
+        *slot = scale.slot(x, y);
+    }
+}
+
+/// Counts one vote for each of `slots`.
+fn count(slots: &[u32], counts: &mut [[u32; SLOTS]; COPIES]) {
+    let mut groups = slots.chunks_exact(LANES);
+    for group in &mut groups {
+        for pair in group.chunks_exact(COPIES) {
+            for (copy, &slot) in counts.iter_mut().zip(pair) {
+                copy[slot as usize % SLOTS] += 1;
             }
         }
     }
+    for &slot in groups.remainder() {
+        counts[0][slot as usize % SLOTS] += 1;
+    }
 }
+
+#[cfg(test)]
+mod tests;

@@ -211,14 +211,4 @@ impl Error {
                 | Error::Ambiguous { .. }
         )
     }
-
-    /// The error of opening `link`, told apart by what the system says.
-    pub(crate) fn opening(link: &str, source: io::Error) -> Error {
-        let link = link.to_owned();
-        match source.kind() {
-            io::ErrorKind::NotFound => Error::LinkNotFound { link },
-            io::ErrorKind::PermissionDenied => Error::PermissionDenied { link },
-            _ => Error::LinkOpen { link, source },
-        }
-    }
 }

@@ -39,6 +39,10 @@
 //! Features: `serial` (default), `virtual` (the virtual robot), `registry` (actions by name),
 //! `vision`, and `cli`, which brings the `rsapien` command and all of them.
 
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct ReadmeIsCompiled;
+
 mod address;
 #[cfg(feature = "vision")]
 pub mod behaviour;

@@ -252,10 +252,11 @@ impl Runner {
     fn put_next(&mut self) -> bool {
         // With a virtual clock only when someone waits, so that what is sent does not depend on
         // how quickly the program's threads run.
-        let may_poll = (!self.link.is_paced_by_caller() || self.has_callers())
-            && !(self.was_heartbeat && !self.pending.is_empty());
+        let is_asked = !self.link.is_paced_by_caller() || self.has_callers();
+        let is_its_turn = self.pending.is_empty() || !self.was_heartbeat;
         let now_ms = self.link.now_ms();
-        if may_poll
+        if is_asked
+            && is_its_turn
             && let Some(address) = Address::ALL
                 .into_iter()
                 .find(|address| self.heartbeat_ms(*address).is_some_and(|due_ms| now_ms >= due_ms))

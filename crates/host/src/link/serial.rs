@@ -47,7 +47,7 @@ impl Connect for SerialConnector {
             .exclusive(false)
             .timeout(WRITE_TIME)
             .open()
-            .map_err(|error| Error::opening(&self.path, into_io(&self.path, error)))?;
+            .map_err(|error| opening(&self.path, into_io(&self.path, error)))?;
         Ok(Box::new(SerialLink { name: self.path.clone(), port, clock }))
     }
 }
@@ -56,6 +56,16 @@ impl Connect for SerialConnector {
 pub(crate) fn lock_key(path: &str) -> String {
     let device = std::fs::canonicalize(path);
     device.map_or_else(|_| path.to_owned(), |device| device.to_string_lossy().into_owned())
+}
+
+/// The error of opening `path`, told apart by what the system says.
+fn opening(path: &str, source: io::Error) -> Error {
+    let link = path.to_owned();
+    match source.kind() {
+        io::ErrorKind::NotFound => Error::LinkNotFound { link },
+        io::ErrorKind::PermissionDenied => Error::PermissionDenied { link },
+        _ => Error::LinkOpen { link, source },
+    }
 }
 
 fn into_io(path: &str, error: serialport::Error) -> io::Error {

@@ -5,3 +5,5 @@ mod common;
 mod controllers;
 mod links;
 mod player;
+#[cfg(all(unix, feature = "serial"))]
+mod serial;

@@ -1,0 +1,142 @@
+//! Actions in a registry of one's own.
+#![cfg(feature = "cli")]
+
+mod support;
+
+use std::io::Write;
+use std::process::Stdio;
+
+use support::{Run, User};
+
+/// `rsapien actions --registry actions.sqlite ...`.
+fn actions(user: &User, status: i32, arguments: &[&str]) -> Run {
+    let mut all = vec!["actions", "--registry", "actions.sqlite"];
+    all.extend(arguments);
+    user.expect(status, &all)
+}
+
+fn with_editor(user: &User, status: i32, editor: &str) -> Run {
+    let mut command = user.command(&["actions", "--registry", "actions.sqlite", "edit", "greet"]);
+    let child = command
+        .env("EDITOR", editor)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let run = Run::of_child(child);
+    assert_eq!(run.status, status, "{editor}: {}{}", run.stdout, run.stderr);
+    run
+}
+
+#[test]
+fn a_new_registry_knows_what_an_owner_expects() {
+    let user = User::new();
+    let list = actions(&user, 0, &["list", "--json"]).json();
+    let names: Vec<&str> =
+        list.as_array().unwrap().iter().map(|action| action["name"].as_str().unwrap()).collect();
+    for name in [
+        "stand",
+        "walk-forward",
+        "walk-backward",
+        "turn-left",
+        "turn-right",
+        "wave",
+        "bow",
+        "dance",
+    ] {
+        assert!(names.contains(&name), "{name}");
+    }
+    let text = actions(&user, 0, &["list", "--tag", "walking"]).stdout;
+    assert!(text.contains("walk-forward") && !text.contains("bow"), "{text}");
+    actions(&user, 1, &["list", "--tag", "nosuch"]);
+    let primitives = actions(&user, 0, &["list", "--primitives", "--json"]).json();
+    assert_eq!(primitives.as_array().unwrap().len(), 21);
+    assert_eq!(primitives[12]["name"], "tilt-left");
+}
+
+#[test]
+fn an_action_is_added_shown_edited_exported_and_removed() {
+    let user = User::new();
+    let add =
+        ["add", "greet", "right-arm-up+tilt-left:600", "pause:200", "wave*2", "--tag", "show"];
+    assert_eq!(actions(&user, 0, &add).stdout, "added greet\n");
+    actions(&user, 2, &add).told(&["greet", "already", "edit greet"]);
+    let shown = actions(&user, 0, &["show", "greet", "--json"]).json();
+    assert_eq!((&shown["version"], &shown["steps"][1]["pause"]), (&1.into(), &200.into()));
+
+    let saved = with_editor(&user, 0, "sed -i s/600/700/").stdout;
+    assert_eq!(saved, "saved version 2 of greet\n");
+    assert_eq!(with_editor(&user, 0, "true").stdout, "greet is unchanged\n");
+    with_editor(&user, 2, "false").told(&["nothing was saved"]);
+    with_editor(&user, 2, "/no/such/editor").told(&["cannot start", "EDITOR"]);
+    let refused = with_editor(&user, 2, "sed -i s/700/0/");
+    refused.told(&["step 1", "0 ms", "kept in"]);
+    let kept = refused.stderr.split("kept in ").nth(1).unwrap().split(": ").next().unwrap();
+    let broken = actions(&user, 1, &["check", kept]).stdout;
+    assert!(broken.contains("line 4") || broken.contains("line 5"), "{broken}");
+    std::fs::remove_file(kept).unwrap();
+    with_editor(&user, 2, "sed -i s/greet/hello/").told(&["\"hello\"", "\"greet\""]);
+
+    let text = actions(&user, 0, &["export", "greet"]).stdout;
+    assert!(text.contains("ms = 700"), "{text}");
+    actions(&user, 0, &["remove", "greet"]);
+    actions(&user, 2, &["show", "greet"]).told(&["no action \"greet\""]);
+    assert!(actions(&user, 0, &["show", "greet", "--version", "1"]).stdout.contains("ms = 600"));
+
+    // Back again, through the standard input.
+    let mut command = user.command(&["actions", "--registry", "actions.sqlite", "add", "-f", "-"]);
+    let mut child = command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
+    assert_eq!(Run::of_child(child).stdout, "added greet\n");
+    let history = actions(&user, 0, &["show", "greet", "--history", "--json"]).json();
+    assert_eq!(history.as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_place_and_nothing_is_stored() {
+    let user = User::new();
+    actions(&user, 2, &["add", "Bad Name", "1"]).told(&["Bad Name", "lower-case"]);
+    actions(&user, 2, &["add", "tilt-left", "1"]).told(&["motion primitive"]);
+    actions(&user, 2, &["add", "x", "1", "1+2"]).told(&["step 2 (1+2)", "right-arm-front"]);
+    actions(&user, 2, &["add", "x", "nosuch"]).told(&["nosuch"]);
+    actions(&user, 2, &["remove", "wave"]).told(&["wave", "dance"]);
+    std::fs::write(
+        user.path("circle.toml"),
+        "[[action]]\nname = \"one\"\nsteps = [{ play = \"two\" }]\n\n\
+         [[action]]\nname = \"two\"\nsteps = [{ play = \"one\" }]\n",
+    )
+    .unwrap();
+    let found = actions(&user, 1, &["check", "circle.toml"]).stdout;
+    assert!(found.contains("one -> two -> one") || found.contains("two -> one -> two"), "{found}");
+    actions(&user, 2, &["import", "circle.toml"]).told(&["circle"]);
+    actions(&user, 2, &["show", "one"]);
+    actions(&user, 2, &["import", "missing.toml"]).told(&["missing.toml"]);
+    std::fs::write(user.path("no.sqlite"), "this is no database, only a text of some length")
+        .unwrap();
+    user.expect(2, &["actions", "--registry", "no.sqlite", "list"]).told(&["no.sqlite"]);
+}
+
+#[test]
+fn import_replaces_only_when_told_and_the_environment_names_a_registry() {
+    let user = User::new();
+    let wave = actions(&user, 0, &["export", "wave"]).stdout.replace("550", "500");
+    std::fs::write(user.path("wave.toml"), wave).unwrap();
+    actions(&user, 2, &["import", "wave.toml"]).told(&["exist already", "--replace"]);
+    let report = actions(&user, 0, &["import", "--replace", "wave.toml", "--json"]).json();
+    assert_eq!(report["replaced"][0], "wave");
+    assert_eq!(actions(&user, 0, &["import", "wave.toml"]).stdout, "unchanged wave\n");
+    let through_environment = user
+        .command(&["actions", "show", "wave"])
+        .env("RSAPIEN_REGISTRY", user.path("actions.sqlite"))
+        .output()
+        .unwrap();
+    assert!(String::from_utf8_lossy(&through_environment.stdout).contains("version 2"));
+    // Without either it is the data folder's.
+    assert!(user.expect(0, &["actions", "show", "wave"]).stdout.contains("version 1"));
+    assert!(user.path("data/rsapien/registry.sqlite").is_file());
+}

@@ -1,0 +1,117 @@
+//! The simulator and its clients as processes of their own.
+#![cfg(feature = "cli")]
+
+mod support;
+
+use std::io::{BufRead, BufReader, Write};
+use std::os::unix::net::UnixStream;
+use std::process::Child;
+
+use support::{Run, User, interrupt, is_png, wait_until};
+
+/// A running `rsapien sim`, ended with the test.
+struct Simulator {
+    child: Child,
+    link: String,
+}
+
+impl Simulator {
+    fn start(user: &User) -> Simulator {
+        let link = user.path("robot").to_string_lossy().into_owned();
+        let mut child = user.start(&["sim", "--pty", &link, "--tcp", "0", "--json"]);
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let answer: serde_json::Value = serde_json::from_str(&line).unwrap();
+        assert_eq!(answer["links"][0], link.as_str());
+        assert!(answer["links"][1].as_str().unwrap().starts_with("tcp://127.0.0.1:"));
+        Simulator { child, link }
+    }
+
+    fn control(&self, request: &str) {
+        let mut stream = UnixStream::connect(format!("{}.control", self.link)).unwrap();
+        writeln!(stream, "{request}").unwrap();
+        let mut answer = String::new();
+        BufReader::new(stream).read_line(&mut answer).unwrap();
+        assert!(answer.contains("done_at_ms"), "{answer}");
+    }
+}
+
+impl Drop for Simulator {
+    fn drop(&mut self) {
+        // It has ended already where the test went through.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn mode(user: &User, simulator: &Simulator) -> String {
+    let run = user.run(&["--link", &simulator.link, "state", "--json"]);
+    if run.status != 0 {
+        return run.stderr;
+    }
+    run.json()["motion"]["mode"].as_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_session_of_commands_on_a_simulated_serial_port() {
+    let user = User::new();
+    let mut simulator = Simulator::start(&user);
+    let link = simulator.link.clone();
+    let robot = |status, arguments: &[&str]| {
+        let mut all = vec!["--link", &link];
+        all.extend(arguments);
+        user.expect(status, &all)
+    };
+
+    robot(1, &["do", "1:300"]).told(&["not initialised", "rsapien init"]);
+    robot(1, &["look", "--pan", "0", "--tilt", "0"]).told(&["not homed", "rsapien init"]);
+    robot(0, &["init"]);
+    robot(0, &["do", "1:100"]);
+    robot(0, &["look", "--pan", "30", "--tilt", "-10"]);
+    robot(0, &["snapshot", "--out", "seen.png"]);
+    assert!(is_png(&user.path("seen.png")));
+
+    // Another program's STOP ends an action at once.
+    let playing = user.start(&["--link", &link, "play", "dance", "--json"]);
+    wait_until("the robot is held", || {
+        user.run(&["--link", &link, "state"]).stderr.contains("held by")
+    });
+    let stopped = robot(0, &["stop"]).stdout;
+    assert!(stopped.contains("stopped"), "{stopped}");
+    let run = Run::of_child(playing);
+    assert_eq!(run.status, 1, "{}", run.stderr);
+    let answer = run.json();
+    assert_eq!((&answer["outcome"], &answer["detail"]), (&"interrupted".into(), &"by STOP".into()));
+
+    // A foot that meets something ends the walk.
+    robot(0, &["init"]);
+    let walking = user.start(&["--link", &link, "play", "walk-forward"]);
+    wait_until("the robot walks", || {
+        user.run(&["--link", &link, "state"]).stderr.contains("held by")
+    });
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    simulator.control(r#"{"press":"left-foot-front"}"#);
+    let run = Run::of_child(walking);
+    assert_eq!(run.status, 1);
+    assert!(run.stdout.contains("interrupted by bumper left-foot-front"), "{}", run.stdout);
+    simulator.control(r#"{"press":"left-foot-front","held":false}"#);
+    robot(1, &["do", "1"]).told(&["held", "rsapien init or rsapien stop"]);
+
+    // Ctrl-C stops the motors first.
+    robot(0, &["init"]);
+    let playing = user.start(&["--link", &link, "play", "dance"]);
+    wait_until("the robot dances", || {
+        user.run(&["--link", &link, "state"]).stderr.contains("held by")
+    });
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    interrupt(&playing);
+    let run = Run::of_child(playing);
+    assert_eq!(run.status, 130, "{}{}", run.stdout, run.stderr);
+    run.told(&["interrupted"]);
+    assert_eq!(mode(&user, &simulator), "stopped");
+
+    // The simulator itself ends by Ctrl-C, which is its normal end, and leaves nothing behind.
+    interrupt(&simulator.child);
+    assert_eq!(simulator.child.wait().unwrap().code(), Some(0));
+    assert!(!user.path("robot").exists() && !user.path("robot.control").exists());
+}

@@ -73,6 +73,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         out.flush()?;
         Ok(status)
     });
+    signal::finish();
     let status = match result {
         Ok(status) => status,
         Err(failure) if failure.is_closed_pipe() => Status::Done,

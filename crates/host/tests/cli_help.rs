@@ -61,7 +61,7 @@ fn completions_know_the_commands() {
     let user = User::new();
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = user.expect(0, &["completions", shell]).stdout;
-        assert!(script.contains("snapshot") && script.contains("--annotate"), "{shell}");
+        assert!(script.contains("snapshot") && script.contains("annotate"), "{shell}");
     }
 }
 

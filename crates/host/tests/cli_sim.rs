@@ -3,10 +3,10 @@
 
 mod support;
 
-use std::io::{BufRead, BufReader, Write};
-use std::os::unix::net::UnixStream;
+use std::io::{BufRead, BufReader};
 use std::process::Child;
 
+use rsapien_sim::control::{BumperName, ControlClient, ControlRequest};
 use support::{Run, User, interrupt, is_png, wait_until};
 
 /// A running `rsapien sim`, ended with the test.
@@ -27,12 +27,19 @@ impl Simulator {
         Simulator { child, link }
     }
 
-    fn control(&self, request: &str) {
-        let mut stream = UnixStream::connect(format!("{}.control", self.link)).unwrap();
-        writeln!(stream, "{request}").unwrap();
-        let mut answer = String::new();
-        BufReader::new(stream).read_line(&mut answer).unwrap();
-        assert!(answer.contains("done_at_ms"), "{answer}");
+    fn control(&self) -> ControlClient {
+        ControlClient::connect(format!("{}.control", self.link)).unwrap()
+    }
+
+    fn press_left_foot(&self, held: bool) {
+        let press = BumperName::new(0).unwrap();
+        self.control().request(&ControlRequest::Press { press, held }).unwrap();
+    }
+
+    /// Waits until the robot executes a queue.
+    fn wait_until_executing(&self) {
+        let mut control = self.control();
+        wait_until("the robot moves", || control.state().unwrap().motion_mode == "executing");
     }
 }
 
@@ -42,14 +49,6 @@ impl Drop for Simulator {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
-}
-
-fn mode(user: &User, simulator: &Simulator) -> String {
-    let run = user.run(&["--link", &simulator.link, "state", "--json"]);
-    if run.status != 0 {
-        return run.stderr;
-    }
-    run.json()["motion"]["mode"].as_str().unwrap().to_owned()
 }
 
 #[test]
@@ -73,9 +72,7 @@ fn a_session_of_commands_on_a_simulated_serial_port() {
 
     // Another program's STOP ends an action at once.
     let playing = user.start(&["--link", &link, "play", "dance", "--json"]);
-    wait_until("the robot is held", || {
-        user.run(&["--link", &link, "state"]).stderr.contains("held by")
-    });
+    simulator.wait_until_executing();
     let stopped = robot(0, &["stop"]).stdout;
     assert!(stopped.contains("stopped"), "{stopped}");
     let run = Run::of_child(playing);
@@ -86,29 +83,23 @@ fn a_session_of_commands_on_a_simulated_serial_port() {
     // A foot that meets something ends the walk.
     robot(0, &["init"]);
     let walking = user.start(&["--link", &link, "play", "walk-forward"]);
-    wait_until("the robot walks", || {
-        user.run(&["--link", &link, "state"]).stderr.contains("held by")
-    });
-    std::thread::sleep(std::time::Duration::from_millis(400));
-    simulator.control(r#"{"press":"left-foot-front"}"#);
+    simulator.wait_until_executing();
+    simulator.press_left_foot(true);
     let run = Run::of_child(walking);
     assert_eq!(run.status, 1);
     assert!(run.stdout.contains("interrupted by bumper left-foot-front"), "{}", run.stdout);
-    simulator.control(r#"{"press":"left-foot-front","held":false}"#);
+    simulator.press_left_foot(false);
     robot(1, &["do", "1"]).told(&["held", "rsapien init or rsapien stop"]);
 
     // Ctrl-C stops the motors first.
     robot(0, &["init"]);
     let playing = user.start(&["--link", &link, "play", "dance"]);
-    wait_until("the robot dances", || {
-        user.run(&["--link", &link, "state"]).stderr.contains("held by")
-    });
-    std::thread::sleep(std::time::Duration::from_millis(400));
+    simulator.wait_until_executing();
     interrupt(&playing);
     let run = Run::of_child(playing);
     assert_eq!(run.status, 130, "{}{}", run.stdout, run.stderr);
     run.told(&["interrupted"]);
-    assert_eq!(mode(&user, &simulator), "stopped");
+    assert_eq!(simulator.control().state().unwrap().motion_mode, "stopped");
 
     // The simulator itself ends by Ctrl-C, which is its normal end, and leaves nothing behind.
     interrupt(&simulator.child);

@@ -167,8 +167,6 @@ mod tests {
         disc: Direction,
         looks_at: Direction,
         turns: Vec<Direction>,
-        /// Where the head points beside where it is sent, in degrees: a servo is not exact.
-        deviation_deg: f64,
     }
 
     const RADIUS_PX: f64 = 30.0;
@@ -176,12 +174,7 @@ mod tests {
     impl DiscWorld {
         fn with_disc_at(pan_deg: f64, tilt_deg: f64) -> DiscWorld {
             let disc = Direction::new(pan_deg, tilt_deg);
-            DiscWorld {
-                disc,
-                looks_at: Direction::default(),
-                turns: Vec::new(),
-                deviation_deg: 0.0,
-            }
+            DiscWorld { disc, looks_at: Direction::default(), turns: Vec::new() }
         }
     }
 
@@ -197,7 +190,7 @@ mod tests {
         #[allow(clippy::cast_precision_loss)]
         fn see(&mut self) -> Result<GrayImage, Self::Error> {
             let focal = pinhole().focal_px.0;
-            let pan = (self.disc.pan_deg - self.looks_at.pan_deg - self.deviation_deg).to_radians();
+            let pan = (self.disc.pan_deg - self.looks_at.pan_deg).to_radians();
             let tilt = (self.looks_at.tilt_deg - self.disc.tilt_deg).to_radians();
             let (x, y) = (159.5 + focal * pan.tan(), 119.5 + focal * tilt.tan());
             let pixel = |index: usize| {
@@ -228,12 +221,12 @@ mod tests {
     }
 
     #[test]
-    fn a_head_that_never_arrives_ends_the_search_uncentred() {
-        let mut world = DiscWorld::with_disc_at(0.0, -20.0);
-        world.deviation_deg = 3.0;
+    fn a_ball_beyond_the_heads_reach_ends_the_search_uncentred() {
+        let mut world = DiscWorld::with_disc_at(105.0, -20.0);
         let found = search().run(&mut world, |_| ()).unwrap().unwrap();
-        assert!(!found.is_centered && found.offset_px > 10.0, "{found:?}");
-        assert_eq!(world.turns.len(), 9);
+        assert!(!found.is_centered && found.offset_px > 50.0, "{found:?}");
+        assert_eq!((found.first_seen, found.sight.number), (4, 12));
+        assert!(world.turns.iter().all(|to| *to == to.within_reach()));
     }
 
     #[test]

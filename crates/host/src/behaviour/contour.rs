@@ -57,18 +57,24 @@ fn strongest_change(
     Some(strongest)
 }
 
-/// Change of brightness over two pixels along x and y.
+/// Change of brightness over two pixels along x and y, by the Sobel kernels.
 fn gradient(picture: &GrayImage, x: f64, y: f64) -> Option<(f64, f64)> {
-    // Casts clip at 0, where there is no neighbour; above, there is none either.
+    // The casts clip: below to 0, which has no neighbour on that side, above to where no picture reaches.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let (x, y) = (x.round() as usize, y.round() as usize);
-    let (left, above) = (x.checked_sub(1)?, y.checked_sub(1)?);
-    let value = |x: usize, y: usize| {
-        let row =
-            picture.pixels().get(y.checked_mul(picture.width())?..)?.get(..picture.width())?;
-        row.get(x).copied().map(f64::from)
+    let first = x.checked_sub(1)?;
+    let row = |y: usize| -> Option<[f64; 3]> {
+        let begin = y.checked_mul(picture.width())?;
+        let row = picture.pixels().get(begin..)?.get(..picture.width())?;
+        Some(row.get(first..)?.first_chunk::<3>()?.map(f64::from))
     };
-    Some((value(x + 1, y)? - value(left, y)?, value(x, y + 1)? - value(x, above)?))
+    let (above, here, below) = (row(y.checked_sub(1)?)?, row(y)?, row(y.checked_add(1)?)?);
+    let across = |row: [f64; 3]| row[2] - row[0];
+    let sum = |row: [f64; 3]| row[0] + 2.0 * row[1] + row[2];
+    Some((
+        (across(above) + 2.0 * across(here) + across(below)) / 4.0,
+        (sum(below) - sum(above)) / 4.0,
+    ))
 }
 
 #[cfg(test)]

@@ -26,6 +26,35 @@ pub(crate) struct CameraOptions {
     pub(crate) camera: Source,
 }
 
+/// Where the head is turned before a picture is taken.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub(crate) struct HeadOptions {
+    /// Turn the head first: degrees to the right, -90 to 90
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = pan)]
+    pub(crate) pan: Option<f64>,
+
+    /// Turn the head first: degrees up, -45 to 45
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = tilt)]
+    pub(crate) tilt: Option<f64>,
+}
+
+/// An angle of pan in degrees.
+pub(crate) fn pan(text: &str) -> std::result::Result<f64, String> {
+    degrees(text, 90.0)
+}
+
+/// An angle of tilt in degrees.
+pub(crate) fn tilt(text: &str) -> std::result::Result<f64, String> {
+    degrees(text, 45.0)
+}
+
+fn degrees(text: &str, limit: f64) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if degrees.abs() <= limit => Ok(degrees),
+        _ => Err(format!("expected -{limit} to {limit} degrees")),
+    }
+}
+
 /// A source of pictures as it is written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Source {

@@ -13,13 +13,13 @@ use super::robot::OpenRobot;
 use super::view;
 use crate::{Interruption, MotionController, Outcome, PlayOptions, PlayReport};
 
-/// Plays `steps` and tells how they ended; `name` is what was played.
+/// Plays `steps` and tells how they ended; `name` is the action they are, if they are one.
 pub(crate) fn play(
     context: &Context,
     out: &mut impl Write,
     open: &OpenRobot,
     motion: &mut MotionController,
-    name: &str,
+    name: Option<&str>,
     steps: &[Step],
 ) -> Result<Status> {
     let report = run(context, open, motion, steps)?;
@@ -36,9 +36,10 @@ pub(crate) fn play(
         "elapsed_ms": report.elapsed_ms,
         "motion": report.evidence.as_ref().map(view::motion),
     });
+    let name = name.map_or(String::new(), |name| format!("{name}: "));
     let detail = detail.map_or(String::new(), |detail| format!(" {detail}"));
     let text = format!(
-        "{name}: {word}{detail} ({} of {} steps, {})",
+        "{name}{word}{detail} ({} of {} steps, {})",
         report.steps_ended,
         report.steps_total,
         view::seconds(report.elapsed_ms)

@@ -15,6 +15,8 @@ use super::exit::Status;
 type Stop = Box<dyn FnOnce() + Send>;
 
 static RAISED: AtomicBool = AtomicBool::new(false);
+/// Whether the motors are being stopped right now.
+static STOPPING: AtomicBool = AtomicBool::new(false);
 static STOP: Mutex<Option<Stop>> = Mutex::new(None);
 static INSTALLED: OnceLock<std::result::Result<(), String>> = OnceLock::new();
 
@@ -90,7 +92,19 @@ fn on_signal() {
         std::process::exit(i32::from(Status::Interrupted.code()));
     }
     if let Some(stop) = stop_slot().take() {
+        STOPPING.store(true, Ordering::SeqCst);
         // Apart, so that a second Ctrl-C is heard while a dead line keeps this one waiting.
-        thread::spawn(stop);
+        thread::spawn(|| {
+            stop();
+            STOPPING.store(false, Ordering::SeqCst);
+        });
+    }
+}
+
+/// Waits until the motors are stopped, when they are being stopped: the last thing before the process ends. A dead line
+/// is given up after its tries.
+pub(crate) fn finish() {
+    while STOPPING.load(Ordering::SeqCst) {
+        thread::sleep(Duration::from_millis(LOOK_MS));
     }
 }

@@ -50,7 +50,7 @@ pub(crate) struct Cmd {
     out: PathBuf,
 
     /// Range of the ball's radius in the picture, in pixels
-    #[arg(long, value_name = "MIN..MAX", default_value = "20..60")]
+    #[arg(long, value_name = "MIN..MAX", default_value = "14..60")]
     radius: super::detect::AxisRange,
 
     /// How often walk-forward is played, 0 to 100

@@ -10,11 +10,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use rsapien_vision::io::{FILE_BYTES_MAX, save_gray_png};
 use rsapien_vision::{Detection, Detector, Picture, Stages, draw};
+use serde::Serialize;
 
 use self::places::Places;
 use self::tables::Tables;
 pub(super) use self::tuning::AxisRange;
 use self::tuning::Tuning;
+use super::snapshot;
+use crate::cli::camera::{HeadOptions, Source};
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result, render};
 use crate::cli::exit::Status;
@@ -41,11 +44,19 @@ Examples:
   rsapien detect cups.png
   rsapien detect cups.png --annotate found.png --stages stages/
   rsapien detect --table fig9a.png fig9b.png fig9c.png fig9d.png
-  rsapien detect --json photographs/*.jpg > ellipses.jsonl")]
+  rsapien detect --json photographs/*.jpg > ellipses.jsonl
+  rsapien detect --camera virtual --pan 40 --tilt -20 --semi-major 20..60 --semi-minor 5..60")]
 pub(crate) struct Cmd {
     /// Pictures; `-` is the standard input
-    #[arg(value_name = "IMAGE", required = true)]
+    #[arg(value_name = "IMAGE", required_unless_present = "camera")]
     images: Vec<PathBuf>,
+
+    /// Take a picture instead of reading files; SOURCE as of rsapien snapshot
+    #[arg(long, value_name = "SOURCE", conflicts_with = "images")]
+    camera: Option<Source>,
+
+    #[command(flatten)]
+    head: HeadOptions,
 
     /// Write the pictures with the ellipses drawn: a file for one picture; for several a folder (made where missing)
     /// or a name with `{}` for each picture's own
@@ -75,15 +86,27 @@ pub(crate) struct Cmd {
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
         let detector = self.tuning.detector()?;
-        let places = Places::new(&self.images, self.annotate.as_deref(), self.stages.as_deref())?;
+        let images = match self.camera {
+            Some(_) => vec![PathBuf::from("camera")],
+            None => self.images.clone(),
+        };
+        let places = Places::new(&images, self.annotate.as_deref(), self.stages.as_deref())?;
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.map_or(0, usize::from))
             .build()
             .map_err(|error| Failure::from_error(&error))?;
         let mut seen = Seen::default();
-        for (index, path) in self.images.iter().enumerate() {
+        for (index, path) in images.iter().enumerate() {
             let name = places.name(index);
-            match self.look_at(&detector, &threads, path, index, &places) {
+            let picture = match &self.camera {
+                None => read(path),
+                Some(source) => Ok(snapshot::take(context, out, source.clone(), self.head)?),
+            };
+            let looked_at = picture.and_then(|picture| {
+                let detection = self.look_at(&detector, &threads, &picture, index, &places)?;
+                Ok((picture, detection))
+            });
+            match looked_at {
                 Ok((picture, detection)) => {
                     seen.ellipses += detection.ellipses.len();
                     self.tell(context, out, &mut seen, name, &picture, &detection)?;
@@ -106,27 +129,26 @@ impl Cmd {
         })
     }
 
-    /// Reads, detects and writes the pictures asked for.
+    /// Detects, and writes the pictures asked for.
     fn look_at(
         &self,
         detector: &Detector,
         threads: &rayon::ThreadPool,
-        path: &Path,
+        picture: &Picture,
         index: usize,
         places: &Places,
-    ) -> Result<(Picture, Detection)> {
-        let picture = read(path)?;
+    ) -> Result<Detection> {
         let gray = picture.to_gray();
         let (detection, stages) =
             threads.install(|| detector.detect_with_stages(&gray.view(), self.seed));
         if let Some(place) = places.annotated(index) {
-            save(&annotated(&picture, &detection), &place)?;
+            save(&annotated(picture, &detection), &place)?;
         }
         if self.stages.is_some() {
             save_gray(&gray, &places.stage(index, "1-grey"))?;
-            write_stages(&picture, &detection, &stages, |stage| places.stage(index, stage))?;
+            write_stages(picture, &detection, &stages, |stage| places.stage(index, stage))?;
         }
-        Ok((picture, detection))
+        Ok(detection)
     }
 
     fn tell(
@@ -170,6 +192,11 @@ fn read(path: &Path) -> Result<Picture> {
             .read_to_end(&mut bytes)
             .map_err(|error| Failure::file("read", path, &error))?;
         Picture::decode(&bytes)
+    } else if path.metadata().is_ok_and(|file| file.is_file() && file.len() == 0) {
+        return Err(Failure::new(format!("{} is empty", path.display())));
+    } else if path.is_dir() {
+        return Err(Failure::new(format!("{} is a folder", path.display()))
+            .hint(format!("name the pictures in it: {}/*.png", path.display())));
     } else {
         Picture::open(path)
     };
@@ -252,31 +279,36 @@ fn listing(detection: &Detection) -> Table {
     table
 }
 
-/// One line for programs.
-fn answer(name: &str, picture: &Picture, detection: &Detection, counts: bool) -> serde_json::Value {
-    let ellipses: Vec<[f64; 5]> = detection
-        .ellipses
-        .iter()
-        .map(|found| {
-            let ellipse = found.ellipse;
-            [
-                ellipse.center_x_px,
-                ellipse.center_y_px,
-                ellipse.semi_major_px,
-                ellipse.semi_minor_px,
-                ellipse.theta_rad,
-            ]
-        })
-        .collect();
-    let mut line = serde_json::json!({
-        "image": name,
-        "width": picture.width(),
-        "height": picture.height(),
-        "ms": detection.cost.total().as_secs_f64() * 1e3,
-        "ellipses": ellipses,
-    });
-    if counts && let Some(object) = line.as_object_mut() {
-        object.insert("statistics".to_owned(), tables::counts(detection));
+/// One line for programs; the keys stay in this order.
+#[derive(Serialize)]
+struct Answer<'a> {
+    image: &'a str,
+    width: usize,
+    height: usize,
+    ms: f64,
+    ellipses: Vec<[f64; 5]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    statistics: Option<serde_json::Value>,
+}
+
+fn answer<'a>(name: &'a str, picture: &Picture, detection: &Detection, counts: bool) -> Answer<'a> {
+    let ellipses = detection.ellipses.iter().map(|found| found.ellipse);
+    Answer {
+        image: name,
+        width: picture.width(),
+        height: picture.height(),
+        ms: detection.cost.total().as_secs_f64() * 1e3,
+        ellipses: ellipses
+            .map(|ellipse| {
+                [
+                    ellipse.center_x_px,
+                    ellipse.center_y_px,
+                    ellipse.semi_major_px,
+                    ellipse.semi_minor_px,
+                    ellipse.theta_rad,
+                ]
+            })
+            .collect(),
+        statistics: counts.then(|| tables::counts(detection)),
     }
-    line
 }

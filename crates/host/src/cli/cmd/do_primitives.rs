@@ -44,7 +44,7 @@ impl Cmd {
         let compiled = compile(&draft, &[], CompileOptions::default())?;
         let open = robot::open(context, "do", self.pace)?;
         let mut motion = open.ready_motion(context, out)?;
-        performance::play(context, out, &open, &mut motion, "done", &compiled.steps)
+        performance::play(context, out, &open, &mut motion, None, &compiled.steps)
     }
 }
 

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use clap::Args;
 
+use crate::cli::camera;
 use crate::cli::context::Context;
 use crate::cli::diagnostics::Result;
 use crate::cli::exit::Status;
@@ -18,11 +19,11 @@ Examples:
   rsapien look --pan 0 --tilt 0 --speed 20")]
 pub(crate) struct Cmd {
     /// Degrees to the right of straight ahead, -90 to 90
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = camera::pan)]
     pan: f64,
 
     /// Degrees above straight ahead, -45 to 45
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = camera::tilt)]
     tilt: f64,
 
     /// Degrees per second, 1 to 65535; as fast as the head can when not given
@@ -36,8 +37,8 @@ pub(crate) struct Cmd {
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
         let open = robot::open(context, "look", self.pace)?;
-        let camera = open.ready_camera(context, out)?;
-        let report = open.done(camera.look(self.pan, self.tilt, self.speed.unwrap_or(0)))?;
+        let head = open.ready_camera(context, out)?;
+        let report = open.done(head.look(self.pan, self.tilt, self.speed.unwrap_or(0)))?;
         let text = format!(
             "the head looks {:.1} degrees right and {:.1} degrees up",
             f64::from(report.pan_centideg) / 100.0,

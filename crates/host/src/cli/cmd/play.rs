@@ -50,6 +50,6 @@ impl Cmd {
         let compiled = self.registry.open()?.compile(&self.action, options)?;
         let open = robot::open(context, &format!("play {}", self.action), self.pace)?;
         let mut motion = open.ready_motion(context, out)?;
-        performance::play(context, out, &open, &mut motion, &self.action, &compiled.steps)
+        performance::play(context, out, &open, &mut motion, Some(&self.action), &compiled.steps)
     }
 }

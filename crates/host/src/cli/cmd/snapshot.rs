@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::detect::save;
 use crate::LinkAddress;
-use crate::cli::camera::{Camera, CameraOptions, Source};
+use crate::cli::camera::{Camera, CameraOptions, HeadOptions, Source};
 use crate::cli::context::Context;
 use crate::cli::diagnostics::Result;
 use crate::cli::exit::Status;
@@ -24,13 +24,8 @@ pub(crate) struct Cmd {
     #[arg(short, long, value_name = "FILE", default_value = "snapshot.png")]
     out: PathBuf,
 
-    /// Turn the head first: degrees to the right, -90 to 90
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    pan: Option<f64>,
-
-    /// Turn the head first: degrees up, -45 to 45
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    tilt: Option<f64>,
+    #[command(flatten)]
+    head: HeadOptions,
 
     #[command(flatten)]
     camera: CameraOptions,
@@ -38,7 +33,7 @@ pub(crate) struct Cmd {
 
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
-        let picture = take(context, out, self.camera.camera, self.pan, self.tilt)?;
+        let picture = take(context, out, self.camera.camera, self.head)?;
         save(&picture, &self.out)?;
         let answer = serde_json::json!({
             "file": self.out,
@@ -57,15 +52,14 @@ pub(super) fn take(
     context: &Context,
     out: &mut impl Write,
     source: Source,
-    pan_deg: Option<f64>,
-    tilt_deg: Option<f64>,
+    to: HeadOptions,
 ) -> Result<rsapien_vision::Picture> {
     let link = match (&source, &context.link) {
         (Source::Virtual, None) => LinkAddress::Virtual,
         _ => robot::address(context)?,
     };
     let source = source.resolve(&link)?;
-    let turns = pan_deg.is_some() || tilt_deg.is_some();
+    let turns = to.pan.is_some() || to.tilt.is_some();
     if !turns && source != Source::Virtual {
         return Camera::open(source, None)?.take();
     }
@@ -75,8 +69,8 @@ pub(super) fn take(
     if turns {
         let report = head.state().camera_report();
         let now = |centideg: Option<i16>| centideg.map_or(0.0, |value| f64::from(value) / 100.0);
-        let pan = pan_deg.unwrap_or_else(|| now(report.map(|report| report.pan_centideg)));
-        let tilt = tilt_deg.unwrap_or_else(|| now(report.map(|report| report.tilt_centideg)));
+        let pan = to.pan.unwrap_or_else(|| now(report.map(|report| report.pan_centideg)));
+        let tilt = to.tilt.unwrap_or_else(|| now(report.map(|report| report.tilt_centideg)));
         open.done(head.look(pan, tilt, 0))?;
     }
     Camera::open(source, Some(&open.robot))?.take()

@@ -2,7 +2,7 @@
 //! how large a file may grow, that links lead somewhere and that the commands of the README are the
 //! ones that are tried.
 
-use rsapien_tests::{files, read, without_tests, workspace};
+use rsapien_tests::{files, is_test_module, read, without_tests, workspace};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -58,10 +58,7 @@ fn library_code_never_prints_exits_or_reads_the_environment() {
         let sources = workspace().join("crates").join(folder).join("src");
         for path in files(&sources, &[".rs"]) {
             let inside = path.strip_prefix(&sources).unwrap();
-            if inside.starts_with("cli")
-                || inside.starts_with("bin")
-                || inside.ends_with("tests.rs")
-            {
+            if inside.starts_with("cli") || inside.starts_with("bin") || is_test_module(&path) {
                 continue;
             }
             for (number, line) in without_tests(&read(&path)).lines().enumerate() {
@@ -80,9 +77,7 @@ fn the_inner_rooms_have_no_clock_and_no_allocator() {
         let sources = workspace().join("crates").join(folder).join("src");
         assert!(read(&sources.join("lib.rs")).contains("#![no_std]"), "{folder} is no_std");
         for path in files(&sources, &[".rs"]) {
-            if path.ends_with("tests.rs")
-                || path.components().any(|part| part.as_os_str() == "tests")
-            {
+            if is_test_module(&path) {
                 continue;
             }
             let text = read(&path);
@@ -97,7 +92,7 @@ fn the_inner_rooms_have_no_clock_and_no_allocator() {
 fn a_byte_offset_is_known_in_one_place() {
     let sources = workspace().join("crates/protocol/src");
     for path in files(&sources, &[".rs"]) {
-        if path.ends_with("frame.rs") || path.to_string_lossy().contains("test") {
+        if path.ends_with("frame.rs") || is_test_module(&path) {
             continue;
         }
         for (number, line) in without_tests(&read(&path)).lines().enumerate() {
@@ -156,7 +151,7 @@ fn nothing_is_left_to_do_in_the_sources() {
             continue;
         }
         let text = read(&path);
-        for word in ["TODO", "FIXME", "XXX", "todo!(", "unimplemented!(", "#[ignore"] {
+        for word in ["TODO", "FIXME", "XXX", "todo!(", "unimplemented!(", "#[ignore]"] {
             assert!(!text.contains(word), "{}: {word}", path.display());
         }
     }

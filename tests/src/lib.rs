@@ -15,15 +15,7 @@ pub fn workspace() -> PathBuf {
 /// # Panics
 /// When a folder cannot be read.
 pub fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
-    const NOT_OURS: [&str; 7] = [
-        "target",
-        "corpus",
-        "artifacts",
-        "node_modules",
-        "__pycache__",
-        ".pytest_cache",
-        "rsapien-demo",
-    ];
+    const NOT_OURS: [&str; 4] = ["target", "artifacts", "__pycache__", "rsapien-demo"];
     let mut found = Vec::new();
     let entries =
         std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
@@ -32,7 +24,10 @@ pub fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if path.is_dir() && !name.starts_with('.') && !NOT_OURS.contains(&name.as_str()) {
             found.extend(files(&path, endings));
-        } else if path.is_file() && endings.iter().any(|ending| name.ends_with(ending)) {
+        } else if path.is_file()
+            && !name.ends_with(".so")
+            && endings.iter().any(|ending| name.ends_with(ending))
+        {
             found.push(path);
         }
     }
@@ -51,4 +46,21 @@ pub fn read(path: &Path) -> String {
 /// The part of a Rust file that is not tests: what stands before its test module.
 pub fn without_tests(text: &str) -> &str {
     text.split("#[cfg(test)]\nmod tests {").next().unwrap_or(text)
+}
+
+/// Whether a Rust file is a module that only tests compile: `tests.rs`, or one that its parent declares
+/// behind `#[cfg(test)]`.
+///
+/// # Panics
+/// When the parent cannot be read.
+pub fn is_test_module(path: &Path) -> bool {
+    let (Some(folder), Some(stem)) = (path.parent(), path.file_stem()) else { return false };
+    let stem = stem.to_string_lossy();
+    let parents = [folder.with_extension("rs"), folder.join("mod.rs"), folder.join("lib.rs")];
+    let declared = format!("#[cfg(test)]\nmod {stem};");
+    let is_behind_test =
+        parents.iter().any(|parent| parent.exists() && read(parent).contains(&declared));
+    is_behind_test
+        || folder.ends_with("tests")
+        || (folder.with_extension("rs").exists() && is_test_module(folder))
 }

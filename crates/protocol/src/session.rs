@@ -37,47 +37,23 @@
 //! executed. The crate's tests go through every interleaving of a small model and show that then
 //! no action runs twice, none is told accepted that did not run, and none refused that did.
 
-use crate::frame::{self, ACTION_PACKAGE_LENGTH, ActionBytes, SYNCHRONIZATION_PACKAGE_LENGTH};
+use crate::frame::ActionBytes;
 use crate::{
     ActionPackage, Address, Counts, HelloReport, Kind, LineError, PROTOCOL_VERSION, Receiver,
     Report, Request, Status, SynchronizationPackage,
 };
+pub use config::SessionConfig;
 pub use event::{Failure, RequestError, SessionEvent, Ticket, UnknownReason};
 
+mod config;
 mod event;
 #[cfg(test)]
 mod model;
+mod outstanding;
 #[cfg(test)]
 mod tests;
 
-/// How the PC's end of a line behaves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SessionConfig {
-    /// Line speed in bit/s; not 0.
-    pub baud: u32,
-    /// What is granted to an answer beyond the time both packages take on the line, in ms.
-    pub margin_ms: u16,
-    /// How often a package is sent before it is given up; not 0.
-    pub tries: u8,
-    /// The number proposed for the first session; 0 is taken as 1. Draw it at random, so that a
-    /// restarted program does not meet its predecessor's session.
-    pub first_session: u8,
-}
-
-impl Default for SessionConfig {
-    /// 57600 baud, 40 ms, six tries, session 1.
-    fn default() -> SessionConfig {
-        SessionConfig { baud: 57_600, margin_ms: 40, tries: 6, first_session: 1 }
-    }
-}
-
-impl SessionConfig {
-    /// How long an answer may take before the package is sent again, in ms.
-    pub fn answer_time_ms(&self) -> u64 {
-        let line_bytes = ACTION_PACKAGE_LENGTH + SYNCHRONIZATION_PACKAGE_LENGTH;
-        frame::line_time_ms(line_bytes, self.baud.max(1)) + u64::from(self.margin_ms)
-    }
-}
+use outstanding::{Outstanding, Phase, Question};
 
 /// What is known of one controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -85,58 +61,6 @@ struct Peer {
     session: Option<u8>,
     last_sequence: u8,
     boot: Option<u8>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Phase {
-    Sending,
-    Awaiting { deadline_ms: u64 },
-}
-
-/// HELLO that asks whether a copy of a refused package was executed after all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Question {
-    package: ActionPackage,
-    tries: u8,
-    /// The best answer to the refused package so far: an acceptance, else the latest refusal.
-    answer: SynchronizationPackage,
-    answered_ms: u64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Outstanding {
-    ticket: Ticket,
-    address: Address,
-    package: ActionPackage,
-    phase: Phase,
-    tries: u8,
-    /// Whether the controller told of a reset since the first try.
-    was_reset: bool,
-    first_sent_ms: u64,
-    question: Option<Question>,
-}
-
-impl Outstanding {
-    fn new(ticket: Ticket, address: Address, package: ActionPackage) -> Outstanding {
-        Outstanding {
-            ticket,
-            address,
-            package,
-            phase: Phase::Sending,
-            tries: 0,
-            was_reset: false,
-            first_sent_ms: 0,
-            question: None,
-        }
-    }
-
-    /// What goes over the line now, and how often it did.
-    fn on_line(&mut self) -> (ActionPackage, &mut u8) {
-        match &mut self.question {
-            Some(question) => (question.package, &mut question.tries),
-            None => (self.package, &mut self.tries),
-        }
-    }
 }
 
 /// Places for events that wait to be fetched. Two ends of requests can wait at once (of one that

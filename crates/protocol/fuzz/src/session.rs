@@ -42,7 +42,10 @@ pub(crate) fn drive(input: &[u8]) {
             }
             7 => world.transmit(),
             8 => world.fetch_events(),
-            9 => world.now_ms += u64::from(bytes.next().unwrap_or(0)),
+            9 => {
+                let wait_ms = u64::from(bytes.next().unwrap_or(0));
+                world.now_ms = world.now_ms.saturating_add(wait_ms);
+            }
             10 => world.session.handle_timeout(world.now_ms),
             11 => world.answer(address, &mut bytes),
             12 => {

@@ -15,8 +15,11 @@
 //! * a step reported refused, or displaced before it was sent, has not run and never will;
 //! * every request ends: where nothing is under way, nothing waits.
 
+mod robot;
+
 use super::*;
-use crate::{Fed, Mode, MotionReport, Pose, Step, StopCause};
+use crate::{Fed, Pose, Step};
+use robot::Robot;
 use std::collections::{HashSet, VecDeque};
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher, Hash};
 use std::vec::Vec;
@@ -38,87 +41,6 @@ struct Bounds {
     stops: u8,
     /// Whether the robot knows a duplicate when it sees one: the model finds out when it does not.
     robot_knows_duplicates: bool,
-}
-
-/// The robot's rules 1 to 3, and nothing else.
-#[derive(Clone, Hash)]
-struct Robot {
-    session: u8,
-    last_sequence: u8,
-    boot: u8,
-    queue_is_full: bool,
-}
-
-impl Robot {
-    /// Answers a package; gives the step to run, by its duration, if there is one.
-    fn take(
-        &mut self,
-        package: &ActionPackage,
-        bounds: Bounds,
-    ) -> (SynchronizationPackage, Option<u16>) {
-        let mut runs = None;
-        let mut status = Status::Accepted;
-        match package.request {
-            Request::Hello { session, .. } if self.session != session => {
-                self.session = session;
-                self.last_sequence = 0;
-            }
-            Request::Step(step) => {
-                let next = self.last_sequence.wrapping_add(1);
-                let is_duplicate = self.last_sequence != 0
-                    && package.sequence == self.last_sequence
-                    && bounds.robot_knows_duplicates;
-                let is_next = package.sequence == next || !bounds.robot_knows_duplicates;
-                if self.session == 0 || package.session != self.session {
-                    status = Status::NoSession;
-                } else if is_duplicate {
-                    // The status given then: only what was accepted used its number up.
-                } else if !is_next {
-                    status = Status::OutOfSequence;
-                } else if self.queue_is_full {
-                    status = Status::QueueFull;
-                } else {
-                    self.last_sequence = package.sequence;
-                    runs = Some(step.duration_ms);
-                }
-            }
-            _ => {}
-        }
-        let kind_byte = package.request.kind().byte();
-        let report = match package.request {
-            Request::Hello { .. } => Report::Hello(crate::HelloReport {
-                version: PROTOCOL_VERSION,
-                firmware: [0; 3],
-                clock_mhz: 40,
-                queue_length: 32,
-                dead_man_ms: 500,
-                last_sequence: self.last_sequence,
-                boot: self.boot,
-                reception_errors: 0,
-                cause: StopCause::Nothing,
-            }),
-            _ => Report::Motion(MotionReport {
-                mode: Mode::Executing,
-                bumpers: crate::BumperMask::NONE,
-                middle_switches: [false; 2],
-                presses: [0; 6],
-                motors: 0,
-                supply_low: false,
-                pose_reached: Pose::EMPTY,
-                queue_free: 0,
-                steps_ended: 0,
-                boot: self.boot,
-                reception_errors: 0,
-                cause: StopCause::Nothing,
-            }),
-        };
-        let Request::Hello { session, .. } = package.request else {
-            let (session, sequence) = (package.session, package.sequence);
-            return (SynchronizationPackage { session, sequence, kind_byte, status, report }, runs);
-        };
-        let sequence = package.sequence;
-        (SynchronizationPackage { session, sequence, kind_byte, status, report }, runs)
-    }
 }
 
 /// What the user was told of a step, by its ticket's owner.

@@ -253,7 +253,7 @@ fn rubbish_never_takes_the_place_of_an_outcome() {
     let ticket = session.request(Address::Motion, Request::State).unwrap();
     let package = sent(&mut session, 0);
     let header = crate::HeaderByte { direction: crate::Direction::ToPc, address: Address::Camera };
-    let rubbish: crate::SynchronizationBytes = frame::encode(header, &[0xFF; 18]);
+    let rubbish: crate::SynchronizationBytes = crate::frame::encode(header, &[0xFF; 18]);
     for _ in 0..20 {
         session.handle_bytes(&rubbish, 5);
     }

@@ -8,12 +8,12 @@ use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
 use crate::cli::robot;
-use crate::{StopOptions, emergency_stop};
+use crate::{StopOptions, StopReport, data, emergency_stop};
 
 /// Turn every motor off and empty the queue, whoever is using the robot
 ///
-/// Needs nothing but the line: no database, no camera, no configuration, and it does not wait for another program's
-/// lock. With --link auto STOP goes to every serial port that may have a robot.
+/// Needs nothing but the line: no database, no camera, no configuration. It takes no lock: STOP is sent beside the program
+/// that holds the line, which may take the answer away, but not the effect. With --link auto STOP goes to every serial port that may have a robot.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -24,14 +24,28 @@ pub(crate) struct Cmd {}
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
         let address = robot::address(context)?;
-        let options = StopOptions { baud: context.baud, ..StopOptions::default() };
+        // Only to tell who holds the line; a missing folder is no obstacle.
+        let options = StopOptions { baud: context.baud, lock_folder: data::lock_folder() };
         let reports = emergency_stop(&address, &options)?;
-        if reports.is_empty() {
-            return Err(Failure::refused("nothing to stop: there is no serial port")
-                .hint("name the robot's port with --link; switching it off stops it, too"));
+        let is_sent_to_robot =
+            |report: &StopReport| report.is_confirmed() || report.holder.is_some();
+        let lines: Vec<_> = reports.iter().map(ToString::to_string).collect();
+        let answer: Vec<_> = reports
+            .iter()
+            .map(|report| {
+                serde_json::json!({
+                    "link": report.link,
+                    "confirmed": report.is_confirmed(),
+                    "detail": report.to_string(),
+                })
+            })
+            .collect();
+        context.style.answer(out, &answer, lines.join("\n"))?;
+        if !reports.iter().all(is_sent_to_robot) {
+            return Err(Failure::new("whether the robot has stopped is not known").hint(
+                "check power, cable and --baud; the dead-man stops a robot that hears nothing",
+            ));
         }
-        let all: Vec<_> = reports.iter().map(ToString::to_string).collect();
-        context.style.answer(out, &serde_json::json!({"stopped": all}), all.join("\n"))?;
         Ok(Status::Done)
     }
 }

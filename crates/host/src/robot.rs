@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use rsapien_protocol::{Address, HelloReport, Kind, Report, Request};
 
 use crate::control::{CameraController, Controller, MotionController, SensorsController};
-use crate::line::{Line, LineOptions};
+use crate::line::{Answer, Line, LineOptions};
 use crate::link::Connect;
 use crate::lock::LineLock;
 use crate::record::{PackageRecord, PackageSink};
@@ -177,8 +177,12 @@ impl Robot {
             package_log_length: options.package_log_length,
             on_package: options.on_package,
         };
-        let line = Line::start(connector, line_options)?;
-        line.request(Address::Motion, Request::State)?.accepted()?;
+        let name = connector.name();
+        let line =
+            Line::start(connector, line_options).map_err(|error| not_opened(&name, error))?;
+        line.request(Address::Motion, Request::State)
+            .and_then(Answer::accepted)
+            .map_err(|error| not_opened(&name, error))?;
         // A camera controller may be missing; whoever takes it is told then.
         let _ = line.request(Address::Camera, Request::State);
         let inner = finish(Inner {
@@ -296,6 +300,16 @@ impl StopHandle {
     /// As [`Robot::stop`].
     pub fn stop(&self) -> Result<(), Error> {
         self.inner.line.stop()
+    }
+}
+
+/// A link that broke while it was opened is not tried again by itself.
+fn not_opened(link: &str, error: Error) -> Error {
+    match error {
+        Error::LinkLost { why, .. } => {
+            Error::LinkOpen { link: link.to_owned(), source: std::io::Error::other(why) }
+        }
+        other => other,
     }
 }
 

@@ -66,9 +66,11 @@ pub struct RobotState {
     pub motion: Option<Stamped<MotionReport>>,
     /// What the camera controller reported last.
     pub camera: Option<Stamped<CameraReport>>,
-    /// How the motion controller answered HELLO last, if a session was opened with it.
+    /// How the motion controller answered HELLO last, if a session was opened with it; with the
+    /// dead-man time that was configured since.
     pub motion_information: Option<HelloReport>,
-    /// How the camera controller answered HELLO last, if a session was opened with it.
+    /// How the camera controller answered HELLO last, if a session was opened with it; with the
+    /// dead-man time that was configured since.
     pub camera_information: Option<HelloReport>,
     /// The sessions open as far as this program knows: motion, camera.
     pub sessions: [Option<u8>; 2],

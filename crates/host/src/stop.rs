@@ -15,6 +15,10 @@ use crate::ports::{drive, list_ports};
 use crate::robot::connector;
 use crate::{Error, Holder, LinkAddress};
 
+/// How much longer each try waits than the one before. The line's holder sends its packages again
+/// at its own even pace; at the same pace, two that met once would meet at every try.
+const STAGGER_MS: u64 = 7;
+
 /// How a robot is stopped from outside.
 #[derive(Clone, Debug)]
 pub struct StopOptions {
@@ -143,7 +147,8 @@ fn stop_on(
     baud: u32,
     holder: Option<Holder>,
 ) -> Result<StopReport, Error> {
-    let mut session = Session::new(SessionConfig { baud, ..SessionConfig::default() });
+    // One try at a time: the pauses between them are made here.
+    let mut session = Session::new(SessionConfig { baud, tries: 1, ..SessionConfig::default() });
     let motion = stop_controller(&mut session, link, Address::Motion)?;
     // The motors are what matters; a camera on a link that breaks now changes nothing about them.
     let camera = stop_controller(&mut session, link, Address::Camera)
@@ -157,16 +162,23 @@ fn stop_controller(
     address: Address,
 ) -> Result<StopSeen, Error> {
     let tries_max = SessionConfig::default().tries;
-    // Nothing is outstanding, so a STOP is taken.
-    if session.stop(address).is_err() {
-        return Ok(StopSeen::NoAnswer { tries: 0 });
+    for tries in 1..=tries_max {
+        // Nothing is outstanding, so a STOP is taken.
+        if session.stop(address).is_err() {
+            break;
+        }
+        if let Some(SessionEvent::Answered { package, .. }) = drive(session, link)? {
+            match package.report {
+                Report::Motion(report) => {
+                    return Ok(StopSeen::Answered { mode: report.mode, tries });
+                }
+                Report::Camera(report) => {
+                    return Ok(StopSeen::Answered { mode: report.mode, tries });
+                }
+                Report::Hello(_) | Report::Counters(_) => {}
+            }
+        }
+        link.wait_until(link.now_ms() + u64::from(tries) * STAGGER_MS);
     }
-    Ok(match drive(session, link)? {
-        Some(SessionEvent::Answered { package, tries, .. }) => match package.report {
-            Report::Motion(report) => StopSeen::Answered { mode: report.mode, tries },
-            Report::Camera(report) => StopSeen::Answered { mode: report.mode, tries },
-            Report::Hello(_) | Report::Counters(_) => StopSeen::NoAnswer { tries },
-        },
-        _ => StopSeen::NoAnswer { tries: tries_max },
-    })
+    Ok(StopSeen::NoAnswer { tries: tries_max })
 }

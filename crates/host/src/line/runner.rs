@@ -46,7 +46,7 @@ struct Asked {
     address: Address,
     kind: Kind,
     /// The new dead-man time, if that is what is asked.
-    dead_man_ms: Option<u64>,
+    dead_man_ms: Option<u16>,
     reply: Option<Reply>,
 }
 
@@ -298,7 +298,7 @@ impl Runner {
                     return self.put(hello);
                 }
                 if let Request::Configure(Parameter::DeadMan { timeout_ms }) = request {
-                    dead_man_ms = Some(u64::from(*timeout_ms));
+                    dead_man_ms = Some(*timeout_ms);
                 }
                 (kind, self.session.request(address, *request))
             }
@@ -344,6 +344,7 @@ impl Runner {
                 self.state.counts.answered += 1;
                 self.state.counts.resent += u64::from(tries.saturating_sub(1));
                 self.note(address, &package, now_ms);
+                self.note_dead_man(ticket, address, &package);
                 if address == Address::Motion && self.state.link != LinkState::Up {
                     self.state.link = LinkState::Up;
                     self.care_mut(Address::Camera).polled = self.state.camera.is_some();
@@ -405,6 +406,28 @@ impl Runner {
         }
     }
 
+    /// Keeps the dead-man time that an accepted CONFIGURE has set.
+    fn note_dead_man(
+        &mut self,
+        ticket: Ticket,
+        address: Address,
+        package: &SynchronizationPackage,
+    ) {
+        let asked = self.asked.iter().find(|asked| asked.ticket == ticket);
+        let Some(timeout_ms) = asked.and_then(|asked| asked.dead_man_ms) else { return };
+        if !package.status.is_accepted() {
+            return;
+        }
+        self.care_mut(address).dead_man_ms = u64::from(timeout_ms);
+        let information = match address {
+            Address::Motion => &mut self.state.motion_information,
+            Address::Camera => &mut self.state.camera_information,
+        };
+        if let Some(report) = information {
+            report.dead_man_ms = timeout_ms;
+        }
+    }
+
     fn settle(&mut self, ticket: Ticket, outcome: impl Fn(&Asked) -> Result<Answer, Error>) {
         let mut index = 0;
         while index < self.asked.len() {
@@ -414,11 +437,6 @@ impl Runner {
             }
             let asked = self.asked.remove(index);
             let outcome = outcome(&asked);
-            if let (Ok(answer), Some(dead_man_ms)) = (&outcome, asked.dead_man_ms)
-                && answer.package.status.is_accepted()
-            {
-                self.care_mut(asked.address).dead_man_ms = dead_man_ms;
-            }
             if asked.kind == Kind::Hello && asked.reply.is_none() {
                 self.end_what_needs_session(asked.address, outcome);
                 continue;

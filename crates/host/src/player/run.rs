@@ -5,7 +5,7 @@ use rsapien_protocol::{Address, BumperMask, Mode, MotionReport, Report, Request,
 use super::outcome::{Outcome, PlayReport, Progress, ending_bumpers, interruption};
 use super::{PlayOptions, check};
 use crate::line::{Answer, Line};
-use crate::{Error, Interruption, LinkState};
+use crate::{Error, Interruption};
 
 /// How often the state is asked for while the player has nothing to send, in ms.
 const POLL_MS: u64 = 50;
@@ -102,7 +102,7 @@ impl Run<'_, '_> {
                 Some(step) if self.accepted == 0 || self.latest.queue_free > 0 => self.send(step),
                 _ => {
                     self.line.sleep_ms(self.sleep_ms())?;
-                    ask(self.line).map(|report| self.take(report))
+                    self.ask_twice().map(|report| self.take(report))
                 }
             };
             let outcome = match told {
@@ -223,16 +223,12 @@ impl Run<'_, '_> {
         }
         match error {
             Error::Refused { status, .. } => Ok(Outcome::Refused { status }),
-            Error::OutcomeUnknown { .. } if self.line.state().link != LinkState::Up => {
-                Ok(self.end_without_link(&error, self.accepted + 1))
-            }
             Error::OutcomeUnknown { .. } => {
-                let told = ask(self.line).ok().and_then(|report| {
-                    let by = self.interrupted(&report)?;
+                let Ok(report) = ask(self.line) else {
+                    return Ok(self.end_without_link(&error, self.accepted + 1));
+                };
+                if let Some(by) = self.interrupted(&report) {
                     self.latest = report;
-                    Some(by)
-                });
-                if let Some(by) = told {
                     return Ok(Outcome::Interrupted { by });
                 }
                 let _ = self.line.stop();
@@ -247,13 +243,39 @@ impl Run<'_, '_> {
 
     /// The robot cannot be asked; at most `arrived` steps have reached it.
     fn end_without_link(&self, error: &Error, arrived: usize) -> Outcome {
+        let cannot_be_done = arrived < self.steps.len() || self.is_cut_by_the_dead_man();
         // Nothing can be done but to try; silence ends motion all the same.
         let _ = self.line.stop();
-        if arrived < self.steps.len() {
+        if cannot_be_done {
             return Outcome::Interrupted { by: Interruption::LinkLost };
         }
         // With every step in its queue, the robot may have done them all.
         Outcome::Unknown { why: error.to_string() }
+    }
+
+    /// Whether the steps left at the last report last longer than the robot can have gone on since,
+    /// with nothing heard.
+    fn is_cut_by_the_dead_man(&self) -> bool {
+        let state = self.line.state();
+        let dead_man_ms = match state.motion_information {
+            None => return false,
+            Some(information) if information.dead_man_ms == 0 => return false,
+            Some(information) => u64::from(information.dead_man_ms),
+        };
+        let Some(last) = state.motion else { return false };
+        let silent_ms = self.line.now_ms().saturating_sub(last.time_ms);
+        let left = self.steps.iter().skip(self.ended + 1);
+        let left_ms: u64 = left.map(|step| u64::from(step.duration_ms)).sum();
+        left_ms > silent_ms.saturating_add(dead_man_ms)
+    }
+
+    /// Asks for the state, and once more when no answer comes: another program that sends STOP may
+    /// take answers away, and what it did is worth knowing.
+    fn ask_twice(&self) -> Result<MotionReport, Error> {
+        match ask(self.line) {
+            Err(Error::NoAnswer { .. }) => ask(self.line),
+            other => other,
+        }
     }
 
     /// Until the action should have ended, at most until the next poll.

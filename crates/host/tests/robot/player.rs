@@ -1,14 +1,17 @@
 //! How actions end, and that the outcome told is what the robot did.
 
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 
+use rsapien::link::virtual_robot::Pace;
 use rsapien::protocol::{BumperMask, Direction, Mode, Parameter, Request, Status, Step, StopCause};
-use rsapien::{CancelToken, Error, Interruption, Outcome, PlayOptions, Progress};
+use rsapien::{
+    CancelToken, Error, Interruption, Outcome, PlayOptions, Progress, Robot, RobotOptions,
+};
 use rsapien_sim::line::LineFaults;
 
 use crate::common::{
     BreakableConnector, Shared, arms, at_step, interrupted, lock, motors_are_off, open,
-    open_initialised, send_from_outside,
+    open_initialised, send_from_outside, virtual_robot,
 };
 
 #[test]
@@ -182,6 +185,44 @@ fn a_cable_pulled_when_all_steps_are_queued_leaves_the_outcome_unknown() {
     let mut options = at_step(1, || lock(&shared).pull_cable(true));
     let report = motion.play(&arms(2, 400), &mut options).unwrap();
     assert!(matches!(report.outcome, Outcome::Unknown { .. }), "{report}");
+}
+
+#[test]
+fn a_queue_that_outlasts_the_dead_man_cannot_have_been_done_in_silence() {
+    for (dead_man_ms, expected) in [(500, true), (0, false)] {
+        let (_robot, shared, mut motion) = open_initialised();
+        motion.configure(Parameter::DeadMan { timeout_ms: dead_man_ms }).unwrap();
+        let mut options = at_step(1, || lock(&shared).pull_cable(true));
+        let report = motion.play(&arms(8, 400), &mut options).unwrap();
+        assert_eq!(report.steps_accepted, 8);
+        let is_told = report.outcome == interrupted(Interruption::LinkLost);
+        assert_eq!(is_told, expected, "{report}");
+        assert!(is_told || matches!(report.outcome, Outcome::Unknown { .. }), "{report}");
+    }
+}
+
+#[test]
+fn a_short_silence_costs_the_action_nothing() {
+    // Longer than all tries of one package, shorter than the dead-man.
+    const LOST_PACKAGES: u32 = 8;
+    let shared = virtual_robot();
+    let plug_in = Arc::clone(&shared);
+    let mut lost = 0;
+    let mut options = RobotOptions::new("test");
+    options.on_package = Some(Box::new(move |_| {
+        let mut robot = lock(&plug_in);
+        lost += u32::from(robot.is_cable_pulled());
+        if lost == LOST_PACKAGES {
+            robot.pull_cable(false);
+        }
+    }));
+    let robot = Robot::virtual_with(Arc::clone(&shared), Pace::Fast, options).unwrap();
+    let mut motion = robot.motion().unwrap();
+    motion.init().unwrap();
+    let mut options = at_step(3, || lock(&shared).pull_cable(true));
+    let report = motion.play(&arms(12, 300), &mut options).unwrap();
+    assert_eq!((&report.outcome, report.steps_ended), (&Outcome::Done, 12));
+    assert_eq!(motion.state().counts.unanswered, 1);
 }
 
 #[test]

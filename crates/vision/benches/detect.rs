@@ -44,10 +44,10 @@ fn stages(criterion: &mut Criterion) {
     let options = Options::paper();
 
     criterion.bench_function("noise median", |b| {
-        b.iter(|| reduce_noise(&black_box(&gray).view(), NoiseReduction::Median))
+        b.iter(|| reduce_noise(&black_box(&gray).view(), NoiseReduction::Median));
     });
     criterion.bench_function("noise gaussian", |b| {
-        b.iter(|| reduce_noise(&black_box(&gray).view(), NoiseReduction::Gaussian))
+        b.iter(|| reduce_noise(&black_box(&gray).view(), NoiseReduction::Gaussian));
     });
     criterion
         .bench_function("gradient", |b| b.iter(|| sobel_magnitude(&black_box(&denoised).view())));
@@ -65,7 +65,7 @@ fn stages(criterion: &mut Criterion) {
         one_thread.install(|| {
             b.iter(|| {
                 search(black_box(&points), &options.hough, options.filter.side_votes_min(), 1)
-            })
+            });
         });
     });
     criterion.bench_function("detect", |b| {

@@ -7,6 +7,9 @@
 //! A detection without a match is false unless it overlaps an ellipse of `ignore` by 0.8. NAME takes only the pictures
 //! whose name contains it.
 
+// Counts of a few hundred are exact in f64.
+#![allow(clippy::cast_precision_loss)]
+
 use std::error::Error;
 use std::path::Path;
 use std::time::Duration;

@@ -27,6 +27,7 @@ const OVERLAP_SAMPLES: f64 = 192.0;
 
 impl Ellipse {
     /// The same ellipse with `semi_major_px >= semi_minor_px` and `theta_rad` in `[0, π)`.
+    #[must_use]
     pub fn canonical(self) -> Self {
         let (major, minor, theta) = if self.semi_minor_px > self.semi_major_px {
             (self.semi_minor_px, self.semi_major_px, self.theta_rad + PI / 2.0)

@@ -29,8 +29,13 @@ pub const BATCH_PAIRS: usize = 64;
 pub const DRAWS_PER_PAIR_MAX: usize = 512;
 /// Most pairs of one search, whatever C and the number of edge points are.
 pub const PAIRS_MAX: usize = 1 << 18;
-/// Most votes of one search, shared equally among its batches: about two seconds on one core.
-pub const VOTES_MAX: usize = 1 << 29;
+/// Points visited by the voting of one search after which no more pairs are tried: about a second on one core.
+pub const VOTES_MAX: usize = 1 << 28;
+/// Draws of one search after which no more pairs are tried.
+pub const DRAWS_MAX: usize = 1 << 26;
+/// Batches between two looks at these limits. The last ones may exceed them, by no more than another [`VOTES_MAX`] and one
+/// pair a batch.
+const WAVE_BATCHES: usize = 64;
 
 /// An ellipse that a pair of edge points and the fullest bin of its accumulator propose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,7 +95,8 @@ impl Search {
 /// would not let pass anyway. With 0 every pair that got a vote gives a candidate.
 ///
 /// Fewer than two points give no pairs. The same points, options and seed give the same result on any number of
-/// threads. Time and memory are bounded by [`PAIRS_MAX`], [`DRAWS_PER_PAIR_MAX`] and [`VOTES_MAX`].
+/// threads. Time and memory are bounded by [`PAIRS_MAX`], [`DRAWS_PER_PAIR_MAX`],
+/// [`DRAWS_MAX`] and [`VOTES_MAX`]; [`Search::truncated`] tells.
 pub fn search(
     points: &[EdgePoint],
     options: &HoughOptions,
@@ -104,43 +110,47 @@ pub fn search(
     let grid = PointGrid::new(points);
     let pairs = pairs_wanted.min(PAIRS_MAX);
     let batches = pairs.div_ceil(BATCH_PAIRS);
-    let votes_max = VOTES_MAX / batches;
-    let found: Vec<Search> = (0..batches)
-        .into_par_iter()
-        .map_init(
-            || (options.accumulator(), Halves::default()),
-            |(accumulator, halves), batch| {
-                let mut random = batch_generator(seed, batch as u64);
-                let mut found = Search::default();
-                let wanted = BATCH_PAIRS.min(pairs - batch * BATCH_PAIRS);
-                while found.pairs < wanted
-                    && found.draws < wanted * DRAWS_PER_PAIR_MAX
-                    && found.votes < votes_max
-                {
-                    found.draws += 1;
-                    let (one, other) = (draw(points, &mut random), draw(points, &mut random));
-                    let Some(axis) = axis_in_domain(one, other, options) else { continue };
-                    found.pairs += 1;
-                    grid.halves_around(axis, halves);
-                    let peak = accumulator.vote(&grid, halves, axis, side_votes_min);
-                    found.votes += std::mem::take(&mut accumulator.visited);
-                    found.candidates.extend(peak.map(|peak| complete(axis, peak)));
-                }
-                found
-            },
-        )
-        .collect();
     let mut total = Search { pairs_wanted, ..Search::default() };
-    for batch in found {
-        total.candidates.extend(batch.candidates);
-        total.pairs += batch.pairs;
-        total.draws += batch.draws;
-        total.votes += batch.votes;
+    for wave in (0..batches).step_by(WAVE_BATCHES) {
+        if total.votes >= VOTES_MAX || total.draws >= DRAWS_MAX {
+            break;
+        }
+        let found: Vec<Search> = (wave..batches.min(wave + WAVE_BATCHES))
+            .into_par_iter()
+            .map_init(
+                || (options.accumulator(), Halves::default()),
+                |(accumulator, halves), batch| {
+                    let mut random = batch_generator(seed, batch as u64);
+                    let mut found = Search::default();
+                    let wanted = BATCH_PAIRS.min(pairs - batch * BATCH_PAIRS);
+                    let (draws_max, votes_max) =
+                        (wanted * DRAWS_PER_PAIR_MAX, VOTES_MAX / WAVE_BATCHES);
+                    while found.pairs < wanted && found.draws < draws_max && found.votes < votes_max
+                    {
+                        found.draws += 1;
+                        let (one, other) = (draw(points, &mut random), draw(points, &mut random));
+                        let Some(axis) = axis_in_domain(one, other, options) else { continue };
+                        found.pairs += 1;
+                        grid.halves_around(axis, halves);
+                        let peak = accumulator.vote(&grid, halves, axis, side_votes_min);
+                        found.votes += std::mem::take(&mut accumulator.visited);
+                        found.candidates.extend(peak.map(|peak| complete(axis, peak)));
+                    }
+                    found
+                },
+            )
+            .collect();
+        for batch in found {
+            total.candidates.extend(batch.candidates);
+            total.pairs += batch.pairs;
+            total.draws += batch.draws;
+            total.votes += batch.votes;
+        }
     }
     total
 }
 
-/// A generator for one batch: neighbouring seeds and batches are spread by the finaliser of SplitMix64.
+/// A generator for one batch: neighbouring seeds and batches are spread by the finaliser of `SplitMix64`.
 fn batch_generator(seed: u64, batch: u64) -> Pcg32 {
     let spread = |value: u64| {
         let value = value.wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -167,8 +177,8 @@ fn axis_in_domain(one: EdgePoint, other: EdgePoint, options: &HoughOptions) -> O
     let a2 = half_x * half_x + half_y * half_y;
     let (least, greatest) = (options.semi_major_min_px, options.semi_major_max_px);
     (a2 >= least * least && a2 <= greatest * greatest).then_some(Axis {
-        center_x: (x1 + x2) / 2.0,
-        center_y: (y1 + y2) / 2.0,
+        center_x: f32::midpoint(x1, x2),
+        center_y: f32::midpoint(y1, y2),
         half_x,
         half_y,
     })

@@ -116,8 +116,8 @@ impl Picture {
         if format == ImageFormat::Jpeg && !bytes.windows(2).any(|pair| pair == [0xFF, 0xD9]) {
             return Err(PictureError::Incomplete { format: name });
         }
-        let decoded = ::image::DynamicImage::from_decoder(decoder).map_err(codec)?.into_rgb8();
-        Ok(Self { rgb: decoded.into_raw(), width: width as usize, height: height as usize })
+        let rgb = ::image::DynamicImage::from_decoder(decoder).map_err(codec)?.into_rgb8();
+        Ok(Self { rgb: rgb.into_raw(), width: width as usize, height: height as usize })
     }
 
     /// A grey picture in colour, to be drawn on.

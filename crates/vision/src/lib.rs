@@ -1,5 +1,18 @@
-//! Ellipse detection by a Randomized Hough Transform with result clustering, after C. Başca, M. Taloş and R. Brad,
-//! "Humanoid robot with vision recognition control system" (section 3.1).
+#![doc = include_str!("../README.md")]
+//!
+//! # The stages
+//!
+//! | module | step | paper |
+//! |---|---|---|
+//! | [`image`] | grey picture | "greyscale transform" |
+//! | [`noise`] | noise reduction | "noise reduction" |
+//! | [`gradient`] | Sobel magnitude | "gradient image" |
+//! | [`threshold`] | binary picture | "Maximum Variance Threshold" |
+//! | [`edge`] | list of edge points | "edge pixels are white" |
+//! | [`hough`] | random pairs, 1-D accumulator | equations (3) to (8) |
+//! | [`filter`](mod@filter) | quality, both sides, proportion | section 3.1, Table 3 |
+//! | [`cluster`](mod@cluster) | single pass at `D_T` | formulas (9), (10) |
+//! | [`detect`] | all of it | Fig. 7 |
 
 // Coordinates, counts and grey values change their type often and deliberately; where a cast can lose something, the
 // line beside it says why it does not.

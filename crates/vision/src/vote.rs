@@ -41,9 +41,9 @@ pub(crate) struct Axis {
 
 /// The quantised accumulator for the semi-minor axis.
 pub(crate) struct Accumulator {
-    counts: Box<[[u32; SLOTS]; COPIES]>,
+    counts: Vec<[u32; SLOTS]>,
     /// Slots found and not yet counted.
-    gathered: Box<[u32; GATHERED_MAX]>,
+    gathered: Vec<u32>,
     first_px: f32,
     width_px: f32,
     bins: usize,
@@ -62,7 +62,7 @@ pub(crate) struct Peak {
 impl Accumulator {
     /// `bins` is at most [`BINS_MAX`].
     pub(crate) fn new(first_px: f32, width_px: f32, bins: usize) -> Self {
-        let (counts, gathered) = (Box::new([[0; SLOTS]; COPIES]), Box::new([0; GATHERED_MAX]));
+        let (counts, gathered) = (vec![[0; SLOTS]; COPIES], vec![0; GATHERED_MAX]);
         Self { counts, gathered, first_px, width_px, bins: bins.min(BINS_MAX), visited: 0 }
     }
 
@@ -79,7 +79,7 @@ impl Accumulator {
         if (halves.first_len() as u64) < u64::from(side_votes_min) {
             return None;
         }
-        for copy in self.counts.iter_mut() {
+        for copy in &mut self.counts {
             for quadrant in copy.chunks_exact_mut(QUADRANT_SLOTS) {
                 quadrant[..self.bins + 2].fill(0);
             }
@@ -206,7 +206,7 @@ fn find_slots(xs: &[f32], ys: &[f32], scale: Scale, slots: &mut [u32]) {
 }
 
 /// Counts one vote for each of `slots`.
-fn count(slots: &[u32], counts: &mut [[u32; SLOTS]; COPIES]) {
+fn count(slots: &[u32], counts: &mut [[u32; SLOTS]]) {
     let mut groups = slots.chunks_exact(LANES);
     for group in &mut groups {
         for pair in group.chunks_exact(COPIES) {
@@ -215,8 +215,10 @@ fn count(slots: &[u32], counts: &mut [[u32; SLOTS]; COPIES]) {
             }
         }
     }
-    for &slot in groups.remainder() {
-        counts[0][slot as usize % SLOTS] += 1;
+    if let Some(first) = counts.first_mut() {
+        for &slot in groups.remainder() {
+            first[slot as usize % SLOTS] += 1;
+        }
     }
 }
 

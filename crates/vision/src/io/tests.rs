@@ -54,7 +54,7 @@ fn a_head_that_claims_a_huge_size_is_refused_before_anything_is_decoded() {
     png.extend(b"\0\0\0\0IDAT\x35\xaf\x06\x1e");
     match Picture::decode(&png) {
         Err(PictureError::Size(error)) => {
-            assert_eq!(error, ImageError::TooLarge { width: 60_000, height: 60_000 })
+            assert_eq!(error, ImageError::TooLarge { width: 60_000, height: 60_000 });
         }
         other => panic!("{other:?}"),
     }

@@ -6,13 +6,14 @@ use proptest::prelude::*;
 const FIRST_PX: f64 = 5.0;
 const BINS: usize = 12;
 
-/// Equations (7) and (8) as printed, for vertices `v1` and `v2` and the third point `p`; `None` where no point votes.
-fn semi_minor_as_printed(v1: (f64, f64), v2: (f64, f64), p: (f64, f64)) -> Option<f64> {
+/// Equations (7) and (8) as printed, for vertices `v1` and `v2` and a third point; `None` where no point votes.
+#[allow(clippy::many_single_char_names)] // the paper's names
+fn semi_minor_as_printed(v1: (f64, f64), v2: (f64, f64), third: (f64, f64)) -> Option<f64> {
     let length = |one: (f64, f64), other: (f64, f64)| (one.0 - other.0).hypot(one.1 - other.1);
     let center = (f64::midpoint(v1.0, v2.0), f64::midpoint(v1.1, v2.1));
     let a = length(v1, v2) / 2.0;
-    let d = length(center, p);
-    let f = length(v2, p);
+    let d = length(center, third);
+    let f = length(v2, third);
     // A point on the circle itself votes, whatever the last bit of a root says.
     if d > a * (1.0 + 1e-12) || d == 0.0 {
         return None;
@@ -35,7 +36,7 @@ fn bins_of(b: f64, width_px: f64) -> Vec<usize> {
 }
 
 fn axis_of(v1: (u16, u16), v2: (u16, u16)) -> Axis {
-    let half = |one: u16, other: u16| (f32::from(one) + f32::from(other)) / 2.0;
+    let half = |one: u16, other: u16| f32::midpoint(f32::from(one), f32::from(other));
     let (half_x, half_y) =
         ((f32::from(v2.0) - f32::from(v1.0)) / 2.0, (f32::from(v2.1) - f32::from(v1.1)) / 2.0);
     Axis { center_x: half(v1.0, v2.0), center_y: half(v1.1, v2.1), half_x, half_y }

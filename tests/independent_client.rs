@@ -19,7 +19,11 @@ fn the_client_of_the_protocol_page_talks_to_the_simulator() {
     let output = Command::new("python3").arg(&file).arg(&link).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
-    let hello = simulator.robot().reading();
-    assert!(!said.trim().is_empty(), "the client says what it was answered; the robot: {hello:?}");
+    assert!(said.contains("steps ended: 1"), "{said}");
+    let right_arm = simulator.robot().lock().joints()[0];
+    assert!(
+        right_arm < 0.01,
+        "the arm it sent up is at {right_arm} of its travel; it said: {said}"
+    );
     simulator.stop();
 }

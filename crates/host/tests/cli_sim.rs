@@ -19,9 +19,9 @@ impl Simulator {
     fn start(user: &User) -> Simulator {
         let link = user.path("robot").to_string_lossy().into_owned();
         let mut child = user.start(&["sim", "--pty", &link, "--tcp", "0", "--json"]);
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        let answer: serde_json::Value = serde_json::from_str(&line).unwrap();
+        let mut text = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut text).unwrap();
+        let answer: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(answer["links"][0], link.as_str());
         assert!(answer["links"][1].as_str().unwrap().starts_with("tcp://127.0.0.1:"));
         Simulator { child, link }

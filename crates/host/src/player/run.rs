@@ -126,28 +126,29 @@ impl Run<'_, '_> {
         };
         match package.status {
             Status::Accepted => {
-                let ran_dry = self.accepted > 0 && self.ended == self.accepted;
-                self.pauses += usize::from(ran_dry);
+                let sent_before = self.accepted;
                 self.accepted += 1;
+                let outcome = self.take(report);
+                // Every step before it had ended when it came.
+                self.pauses += usize::from(sent_before > 0 && self.ended >= sent_before);
+                Ok(outcome)
             }
-            Status::QueueFull => {
-                self.latest = MotionReport { queue_free: 0, ..report };
-                return Ok(None);
-            }
-            status => {
-                if let Some(by) = self.interrupted(&report) {
-                    self.latest = report;
-                    return Ok(Some(Outcome::Interrupted { by }));
-                }
-                // Another program has taken the session: the robot is its, now.
-                let is_ours = !matches!(status, Status::NoSession | Status::OutOfSequence);
-                if self.accepted > 0 && is_ours {
-                    let _ = self.line.stop();
-                }
-                return Ok(Some(Outcome::Refused { status }));
-            }
+            Status::QueueFull => Ok(self.take(MotionReport { queue_free: 0, ..report })),
+            status => Ok(Some(self.end_refused(status, report))),
         }
-        Ok(self.take(report))
+    }
+
+    fn end_refused(&mut self, status: Status, report: MotionReport) -> Outcome {
+        if let Some(by) = self.interrupted(&report) {
+            self.latest = report;
+            return Outcome::Interrupted { by };
+        }
+        // Another program has taken the session: the robot is its, now.
+        let is_ours = !matches!(status, Status::NoSession | Status::OutOfSequence);
+        if self.accepted > 0 && is_ours {
+            let _ = self.line.stop();
+        }
+        Outcome::Refused { status }
     }
 
     /// Takes a report. The outcome, if it tells that the action has ended.

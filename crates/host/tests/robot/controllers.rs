@@ -47,6 +47,19 @@ fn the_dead_man_does_not_trip_while_the_program_only_waits() {
 }
 
 #[test]
+fn a_request_comes_to_its_turn_on_a_silent_line() {
+    let (robot, shared, mut motion) = open_initialised();
+    // Heartbeats are due every 25 ms now, and take 290 ms each in vain.
+    motion.configure(Parameter::DeadMan { timeout_ms: 100 }).unwrap();
+    lock(&shared).pull_cable(true);
+    for _ in 0..3 {
+        assert!(matches!(motion.refresh(), Err(Error::NoAnswer { .. })));
+        robot.sleep_ms(10).unwrap();
+    }
+    assert!(robot.stop().is_err());
+}
+
+#[test]
 fn a_queue_that_is_full_refuses_and_loses_nothing() {
     let (_robot, shared, mut motion) = open_initialised();
     let mut accepted = 0;
@@ -141,6 +154,7 @@ fn opening_and_watching_a_robot_takes_no_session_from_anyone() {
 fn the_same_run_is_the_same_package_for_package() {
     let run = || {
         let lines: Shared<String> = Shared::default();
+        let times: Shared<String> = Shared::default();
         let sink = Arc::clone(&lines);
         let mut options = RobotOptions::new("test");
         options.on_package =
@@ -152,11 +166,17 @@ fn the_same_run_is_the_same_package_for_package() {
         camera.home().unwrap();
         camera.aim(45.0, 10.0, 30).unwrap();
         motion.play(&arms(40, 70), &mut PlayOptions::default()).unwrap();
-        robot.sleep_ms(777).unwrap();
+        // Some end in the middle of a heartbeat; the clock stands still all the same.
+        for index in 0..300 {
+            robot.sleep_ms(index % 23).unwrap();
+            let line = format!("it is {}", robot.now_ms());
+            times.lock().unwrap().push(line);
+        }
         robot.stop().unwrap();
         let kept: Vec<String> = robot.packages().iter().map(ToString::to_string).collect();
         assert_eq!(kept, *lines.lock().unwrap());
-        kept
+        let times = times.lock().unwrap().clone();
+        [kept, times].concat()
     };
     let first = run();
     assert!(first.len() > 200);

@@ -46,6 +46,14 @@ fn actions_longer_than_the_queue_lose_no_step_and_never_pause() {
 }
 
 #[test]
+fn steps_shorter_than_a_package_make_pauses_but_all_are_done() {
+    let (_robot, _shared, mut motion) = open_initialised();
+    let report = motion.play(&arms(20, 1), &mut PlayOptions::default()).unwrap();
+    assert_eq!((&report.outcome, report.steps_ended), (&Outcome::Done, 20));
+    assert!(report.pauses > 10, "{report:?}");
+}
+
+#[test]
 fn lost_and_damaged_packages_cost_no_step_and_double_none() {
     let (robot, shared, mut motion) = open_initialised();
     let faults = LineFaults { lost_ppm: 6_000, bit_error_ppm: 500, ..LineFaults::NONE };
@@ -142,7 +150,11 @@ fn a_bumper_ends_the_action_and_holds_the_robot_until_init() {
     let toe = BumperMask::from_bits(1).unwrap();
     let steps: Vec<Step> =
         arms(10, 300).into_iter().map(|step| Step { ending_bumpers: toe, ..step }).collect();
-    let mut options = at_step(1, || lock(&shared).press_bumper(0, true));
+    let mut options = at_step(1, || {
+        // The hand ends nothing here.
+        lock(&shared).press_bumper(5, true);
+        lock(&shared).press_bumper(0, true);
+    });
     let report = motion.play(&steps, &mut options).unwrap();
     assert_eq!(report.outcome, interrupted(Interruption::Bumper(toe)));
     assert_eq!(report.outcome.to_string(), "interrupted by bumper left-foot-front");

@@ -7,30 +7,30 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// A user with an empty data folder, in an empty working folder.
-pub struct User {
+pub(crate) struct User {
     folder: TempDir,
 }
 
 /// What a run gave.
-pub struct Run {
-    pub status: i32,
-    pub stdout: String,
-    pub stderr: String,
+pub(crate) struct Run {
+    pub(crate) status: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 #[allow(dead_code)] // each test program uses some of them
 impl User {
-    pub fn new() -> User {
+    pub(crate) fn new() -> User {
         User { folder: tempfile::tempdir().expect("a folder") }
     }
 
     /// A path in the working folder.
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
     /// The command, not yet started.
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rsapien"));
         command
             .args(arguments)
@@ -46,12 +46,12 @@ impl User {
     }
 
     /// Runs the command to its end.
-    pub fn run(&self, arguments: &[&str]) -> Run {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Run {
         Run::of(self.command(arguments).output().expect("the command starts"))
     }
 
     /// Runs the command, which has to end with `status`.
-    pub fn expect(&self, status: i32, arguments: &[&str]) -> Run {
+    pub(crate) fn expect(&self, status: i32, arguments: &[&str]) -> Run {
         let run = self.run(arguments);
         assert_eq!(
             run.status,
@@ -65,7 +65,7 @@ impl User {
     }
 
     /// Starts the command with its output kept.
-    pub fn start(&self, arguments: &[&str]) -> Child {
+    pub(crate) fn start(&self, arguments: &[&str]) -> Child {
         let mut command = self.command(arguments);
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the command starts")
     }
@@ -83,7 +83,7 @@ impl Run {
     }
 
     /// Waits for the end of a started command, which has to come within 20 s.
-    pub fn of_child(mut child: Child) -> Run {
+    pub(crate) fn of_child(mut child: Child) -> Run {
         let end = Instant::now() + Duration::from_secs(20);
         while child.try_wait().expect("a child").is_none() {
             if Instant::now() > end {
@@ -98,14 +98,14 @@ impl Run {
     }
 
     /// The one line of JSON on the standard output.
-    pub fn json(&self) -> serde_json::Value {
+    pub(crate) fn json(&self) -> serde_json::Value {
         let mut lines = self.json_lines();
         assert_eq!(lines.len(), 1, "{}", self.stdout);
         lines.remove(0)
     }
 
     /// Every line of the standard output as JSON.
-    pub fn json_lines(&self) -> Vec<serde_json::Value> {
+    pub(crate) fn json_lines(&self) -> Vec<serde_json::Value> {
         let parse =
             |line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"));
         self.stdout.lines().map(parse).collect()
@@ -113,7 +113,7 @@ impl Run {
 
     /// Whether each of `parts` stands on the standard error.
     #[track_caller]
-    pub fn told(&self, parts: &[&str]) {
+    pub(crate) fn told(&self, parts: &[&str]) {
         for part in parts {
             assert!(self.stderr.contains(part), "{part:?} is not told:\n{}", self.stderr);
         }
@@ -123,7 +123,7 @@ impl Run {
 /// Waits until `condition` holds, at most 10 s.
 #[allow(dead_code)]
 #[track_caller]
-pub fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
+pub(crate) fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
     let end = Instant::now() + Duration::from_secs(10);
     while !condition() {
         assert!(Instant::now() < end, "10 s passed before {what}");
@@ -133,13 +133,13 @@ pub fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
 
 /// Sends Ctrl-C to a started command.
 #[allow(dead_code)]
-pub fn interrupt(child: &Child) {
+pub(crate) fn interrupt(child: &Child) {
     let pid = rustix::process::Pid::from_child(child);
     rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("a signal");
 }
 
 /// Whether a file begins like a PNG picture.
 #[allow(dead_code)]
-pub fn is_png(path: &Path) -> bool {
+pub(crate) fn is_png(path: &Path) -> bool {
     std::fs::read(path).is_ok_and(|bytes| bytes.starts_with(b"\x89PNG"))
 }

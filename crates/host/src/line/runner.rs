@@ -1,5 +1,7 @@
 //! The line's thread: drives the session over the link.
 
+mod care;
+mod events;
 mod loss;
 
 use std::collections::VecDeque;
@@ -9,18 +11,16 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendErr
 use std::time::Duration;
 
 use rsapien_protocol::{
-    Address, Direction, Fed, Kind, Mode, Parameter, Report, Request, Session, SessionConfig,
-    SessionEvent, Status, SynchronizationPackage, Ticket,
+    Address, Direction, Fed, Kind, Parameter, Request, Session, SessionConfig, Status, Ticket,
 };
 
+use self::care::Care;
 use super::{Answer, Command, LineOptions, Reply, Shared};
 use crate::link::{Connect, Link, RealClock};
-use crate::{Error, LinkState, PackageRecord, RobotState, Stamped};
+use crate::{Error, PackageRecord, RobotState};
 
 /// The longest the thread looks at a real link before it looks at its commands again.
 const LISTEN_MS_MAX: u64 = 10;
-/// How often a heartbeat fits into the dead-man time, so that lost packages do not trip it.
-const HEARTBEATS_A_DEAD_MAN: u64 = 4;
 
 /// A request that is not on the line yet.
 struct Pending {
@@ -54,17 +54,6 @@ struct Wait {
     until_ms: u64,
     newer_than: Option<u64>,
     reply: Sender<()>,
-}
-
-/// What the line does for one controller by itself.
-#[derive(Clone, Copy, Default)]
-struct Care {
-    /// It answered once, so it is asked for its state again and again.
-    polled: bool,
-    /// A session was opened, so one is opened again when the link comes back.
-    opened: bool,
-    last_sent_ms: u64,
-    dead_man_ms: u64,
 }
 
 pub(super) struct Runner {
@@ -337,125 +326,6 @@ impl Runner {
         Ok(())
     }
 
-    fn handle_event(&mut self, event: SessionEvent) {
-        let now_ms = self.link.now_ms();
-        match event {
-            SessionEvent::Answered { ticket, address, package, tries, .. } => {
-                self.state.counts.answered += 1;
-                self.state.counts.resent += u64::from(tries.saturating_sub(1));
-                self.note(address, &package, now_ms);
-                self.note_dead_man(ticket, address, &package);
-                if address == Address::Motion && self.state.link != LinkState::Up {
-                    self.state.link = LinkState::Up;
-                    self.care_mut(Address::Camera).polled = self.state.camera.is_some();
-                }
-                self.publish(now_ms);
-                self.settle(ticket, |asked| Ok(Answer { address, kind: asked.kind, package }));
-            }
-            SessionEvent::Failed { ticket, failure, .. } => {
-                let tries = match failure {
-                    rsapien_protocol::Failure::NoAnswer { tries, .. }
-                    | rsapien_protocol::Failure::OutcomeUnknown { tries, .. } => tries,
-                    rsapien_protocol::Failure::Displaced { .. } => 0,
-                };
-                self.state.counts.resent += u64::from(tries.saturating_sub(1));
-                self.state.counts.unanswered += 1;
-                self.note_failure(failure, now_ms);
-                self.publish(now_ms);
-                let link = self.connector.name();
-                self.settle(ticket, |asked| Err(loss::error_of(failure, asked.address, &link)));
-            }
-            SessionEvent::Restarted { .. } => {
-                self.state.counts.restarts += 1;
-                self.publish(now_ms);
-            }
-            SessionEvent::Incomprehensible { address, error } => {
-                tracing::warn!(%address, %error, "a package was not understood");
-            }
-        }
-    }
-
-    /// Keeps what a package tells.
-    fn note(&mut self, address: Address, package: &SynchronizationPackage, now_ms: u64) {
-        let care = self.care_mut(address);
-        care.polled = true;
-        match package.report {
-            Report::Hello(report) => {
-                if package.status.is_accepted() {
-                    care.opened = true;
-                    care.dead_man_ms = u64::from(report.dead_man_ms);
-                    match address {
-                        Address::Motion => self.state.motion_information = Some(report),
-                        Address::Camera => self.state.camera_information = Some(report),
-                    }
-                }
-            }
-            Report::Motion(report) => {
-                self.state.motion = Some(Stamped { time_ms: now_ms, report });
-                let may_move = matches!(report.mode, Mode::Initialising | Mode::Executing);
-                if std::mem::take(&mut self.is_suspicious) && may_move {
-                    // The link came back while the robot was still at it, and whoever asked for
-                    // that was told that it ended.
-                    self.stops.push_back((Address::Motion, None));
-                }
-            }
-            Report::Camera(report) => {
-                self.state.camera = Some(Stamped { time_ms: now_ms, report });
-            }
-            Report::Counters(_) => {}
-        }
-    }
-
-    /// Keeps the dead-man time that an accepted CONFIGURE has set.
-    fn note_dead_man(
-        &mut self,
-        ticket: Ticket,
-        address: Address,
-        package: &SynchronizationPackage,
-    ) {
-        let asked = self.asked.iter().find(|asked| asked.ticket == ticket);
-        let Some(timeout_ms) = asked.and_then(|asked| asked.dead_man_ms) else { return };
-        if !package.status.is_accepted() {
-            return;
-        }
-        self.care_mut(address).dead_man_ms = u64::from(timeout_ms);
-        let information = match address {
-            Address::Motion => &mut self.state.motion_information,
-            Address::Camera => &mut self.state.camera_information,
-        };
-        if let Some(report) = information {
-            report.dead_man_ms = timeout_ms;
-        }
-    }
-
-    fn settle(&mut self, ticket: Ticket, outcome: impl Fn(&Asked) -> Result<Answer, Error>) {
-        let mut index = 0;
-        while index < self.asked.len() {
-            if self.asked.get(index).is_none_or(|asked| asked.ticket != ticket) {
-                index += 1;
-                continue;
-            }
-            let asked = self.asked.remove(index);
-            let outcome = outcome(&asked);
-            if asked.kind == Kind::Hello && asked.reply.is_none() {
-                self.end_what_needs_session(asked.address, outcome);
-                continue;
-            }
-            reply_to(asked.reply, outcome);
-        }
-    }
-
-    /// Ends the request for which HELLO was sent, if no session came of it.
-    fn end_what_needs_session(&mut self, address: Address, hello: Result<Answer, Error>) {
-        let Err(error) = hello.and_then(Answer::accepted) else { return };
-        let waits_for_it = self.pending.front().is_some_and(|pending| {
-            pending.address == address && matches!(pending.work, Work::Request { opened: true, .. })
-        });
-        if waits_for_it && let Some(pending) = self.pending.pop_front() {
-            reply_to(pending.reply, Err(error));
-        }
-    }
-
     fn publish(&mut self, now_ms: u64) {
         self.state.time_ms = now_ms;
         self.state.version += 1;
@@ -506,38 +376,6 @@ impl Runner {
 
     fn next_wait_ms(&self) -> u64 {
         self.waits.iter().map(|wait| wait.until_ms).min().unwrap_or(u64::MAX)
-    }
-
-    fn next_heartbeat_ms(&self) -> u64 {
-        let due = Address::ALL.into_iter().filter_map(|address| self.heartbeat_ms(address));
-        due.min().unwrap_or(u64::MAX)
-    }
-
-    /// When the controller at `address` is asked for its state if nothing else is sent to it.
-    fn heartbeat_ms(&self, address: Address) -> Option<u64> {
-        let care = self.care(address);
-        let limit_ms = match care.dead_man_ms {
-            0 => u64::MAX,
-            dead_man_ms => (dead_man_ms / HEARTBEATS_A_DEAD_MAN).max(1),
-        };
-        let period_ms = self.options.state_period_ms.clamp(1, limit_ms);
-        care.polled.then(|| care.last_sent_ms.saturating_add(period_ms))
-    }
-
-    fn care(&self, address: Address) -> &Care {
-        let [motion, camera] = &self.care;
-        match address {
-            Address::Motion => motion,
-            Address::Camera => camera,
-        }
-    }
-
-    fn care_mut(&mut self, address: Address) -> &mut Care {
-        let [motion, camera] = &mut self.care;
-        match address {
-            Address::Motion => motion,
-            Address::Camera => camera,
-        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 
 use clap::Args;
 
-use super::output::Style;
+use super::output::{Screen, Style};
 
 /// Options that stand before or behind every command.
 #[derive(Debug, Clone, Args)]
@@ -30,7 +30,7 @@ pub(crate) struct GlobalOptions {
     #[arg(long, global = true)]
     pub(crate) json: bool,
 
-    /// Tell on the standard error what happens on the way; twice tells more
+    /// Tell on the standard error what happens on the way; -vv tells every package
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub(crate) verbose: u8,
 }
@@ -49,25 +49,29 @@ pub(crate) struct Context {
 impl Context {
     /// The context of these options on this process's terminals.
     pub(crate) fn new(options: GlobalOptions) -> Self {
-        let no_color = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-        let dumb = env::var_os("TERM").is_some_and(|value| value == "dumb");
+        let is_set = |name| env::var_os(name).is_some_and(|value| !value.is_empty());
+        let is_dumb = env::var_os("TERM").is_some_and(|value| value == "dumb");
+        let screen = |is_terminal| match (is_terminal, is_set("NO_COLOR") || is_dumb) {
+            (false, _) => Screen::None,
+            (true, true) => Screen::Plain,
+            (true, false) => Screen::Color,
+        };
         Self {
             link: options.link,
             baud: options.baud,
             style: Style {
                 json: options.json,
-                terminal: std::io::stdout().is_terminal(),
-                error_terminal: std::io::stderr().is_terminal(),
-                color: !no_color && !dumb,
+                output: screen(std::io::stdout().is_terminal()),
+                error: screen(std::io::stderr().is_terminal()),
             },
         }
     }
 }
 
-/// Sends what the library tells on its way to the standard error: warnings always, more with `-v`.
-pub(crate) fn start_tracing(verbose: u8, color: bool) {
+/// Sends what the library tells on its way to the standard error: warnings always, more with each `-v`.
+pub(crate) fn start_tracing(verbose: u8, style: Style) {
     let level = match verbose {
-        0 => tracing::Level::ERROR,
+        0 => tracing::Level::WARN,
         1 => tracing::Level::INFO,
         2 => tracing::Level::DEBUG,
         _ => tracing::Level::TRACE,
@@ -75,7 +79,7 @@ pub(crate) fn start_tracing(verbose: u8, color: bool) {
     let subscriber = tracing_subscriber::fmt()
         .with_max_level(level)
         .with_writer(std::io::stderr)
-        .with_ansi(color && std::io::stderr().is_terminal())
+        .with_ansi(style.error == Screen::Color)
         .without_time()
         .finish();
     // A second run in one process keeps the subscriber of the first.

@@ -8,6 +8,7 @@ use std::path::Path;
 use rsapien_vision::PictureError;
 
 use super::exit::Status;
+use super::output::Screen;
 
 /// A command's result: how it ended, or why it could not.
 pub(crate) type Result<T> = std::result::Result<T, Failure>;
@@ -176,9 +177,9 @@ pub(crate) fn picture(path: &Path, error: &PictureError) -> Failure {
 }
 
 /// The failure as text that ends with a new line: drawn for a terminal, plain lines elsewhere.
-pub(crate) fn render(failure: &Failure, terminal: bool, color: bool) -> String {
-    if terminal {
-        let theme = if color {
+pub(crate) fn render(failure: &Failure, screen: Screen) -> String {
+    if screen.is_terminal() {
+        let theme = if screen == Screen::Color {
             miette::GraphicalTheme::unicode()
         } else {
             miette::GraphicalTheme::unicode_nocolor()
@@ -225,7 +226,7 @@ mod tests {
     fn plain_text_tells_what_why_and_what_next() {
         let failure = Failure::from_error(&Outer(Inner)).hint("see rsapien ports");
         assert_eq!(
-            render(&failure, false, false),
+            render(&failure, Screen::None),
             "rsapien: cannot open the link\n  because: no such device\n  help: see rsapien ports\n"
         );
     }
@@ -233,12 +234,12 @@ mod tests {
     #[test]
     fn a_drawn_failure_without_colour_has_no_escape_codes() {
         let failure = Failure::from_error(&Outer(Inner)).hint("see rsapien ports");
-        let drawn = render(&failure, true, false);
+        let drawn = render(&failure, Screen::Plain);
         assert!(!drawn.contains('\x1b'), "{drawn}");
         for part in ["cannot open the link", "no such device", "see rsapien ports"] {
             assert!(drawn.contains(part), "{drawn}");
         }
-        assert!(render(&failure, true, true).contains('\x1b'));
+        assert!(render(&failure, Screen::Color).contains('\x1b'));
     }
 
     #[test]
@@ -247,7 +248,7 @@ mod tests {
         #[error("cannot open the link: no such device")]
         struct Repeats(#[source] Inner);
         assert_eq!(
-            render(&Failure::from_error(&Repeats(Inner)), false, false),
+            render(&Failure::from_error(&Repeats(Inner)), Screen::None),
             "rsapien: cannot open the link: no such device\n"
         );
     }

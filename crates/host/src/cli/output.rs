@@ -7,17 +7,33 @@ use serde::Serialize;
 
 use super::diagnostics::Result;
 
+/// What a stream can show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Screen {
+    /// It is no terminal: a file, a pipe.
+    None,
+    /// A terminal without colours.
+    Plain,
+    /// A terminal with colours.
+    Color,
+}
+
+impl Screen {
+    /// Whether it is a terminal.
+    pub(crate) fn is_terminal(self) -> bool {
+        self != Self::None
+    }
+}
+
 /// How answers are written, and what the terminals can show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Style {
     /// JSON instead of text.
     pub(crate) json: bool,
-    /// The standard output is a terminal.
-    pub(crate) terminal: bool,
-    /// The standard error is a terminal: progress may be drawn there.
-    pub(crate) error_terminal: bool,
-    /// Colours are welcome where a terminal is.
-    pub(crate) color: bool,
+    /// The standard output.
+    pub(crate) output: Screen,
+    /// The standard error, where progress and failures are drawn.
+    pub(crate) error: Screen,
 }
 
 impl Style {
@@ -120,7 +136,7 @@ mod tests {
 
     #[test]
     fn with_json_remarks_are_left_out_and_answers_are_one_line() {
-        let style = Style { json: true, terminal: true, error_terminal: true, color: true };
+        let style = Style { json: true, output: Screen::Color, error: Screen::Color };
         let mut out = Vec::new();
         style.remark(&mut out, "for people").unwrap();
         style.answer(&mut out, &serde_json::json!({"ports": ["a\nb"]}), "for people").unwrap();

@@ -8,7 +8,7 @@ use rsapien_protocol::Step;
 use super::context::Context;
 use super::diagnostics::{Failure, Result};
 use super::exit::Status;
-use super::output::Style;
+use super::output::{Screen, Style};
 use super::robot::OpenRobot;
 use super::view;
 use crate::{Interruption, MotionController, Outcome, PlayOptions, PlayReport};
@@ -73,10 +73,11 @@ pub(crate) fn run(
 
 /// A bar on the standard error, where that is a terminal.
 fn progress_bar(style: Style) -> ProgressBar {
-    if !style.error_terminal {
+    if !style.error.is_terminal() {
         return ProgressBar::hidden();
     }
-    let template = if style.color { "{bar:30.green} {msg}" } else { "{bar:30} {msg}" };
+    let template =
+        if style.error == Screen::Color { "{bar:30.green} {msg}" } else { "{bar:30} {msg}" };
     let bar = ProgressBar::new(0);
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style.progress_chars("━╸ "));

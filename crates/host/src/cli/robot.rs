@@ -74,7 +74,11 @@ pub(crate) fn open_with(
 ) -> Result<OpenRobot> {
     let interrupt = Interrupt::install()?;
     options.baud = context.baud;
+    if options.on_package.is_none() {
+        options.on_package = Some(Box::new(|record| tracing::debug!("{record}")));
+    }
     let robot = Robot::open(address, options)?;
+    tracing::info!("the link {} is open", robot.link_name());
     let cancel = CancelToken::new();
     let (stop, token) = (robot.stop_handle(), cancel.clone());
     interrupt.stop_first(move || {
@@ -101,7 +105,7 @@ impl OpenRobot {
                 )
                 .hint("run rsapien init first; it drives every joint to its middle position"));
             }
-            self.note(context, out, "the virtual robot is initialised first")?;
+            context.style.remark(out, "the virtual robot is initialised first")?;
             self.done(motion.init_unless(&self.cancel))?;
         }
         Ok(motion)
@@ -122,7 +126,7 @@ impl OpenRobot {
                 )
                 .hint("run rsapien init first; it drives the head straight ahead, too"));
             }
-            self.note(context, out, "the virtual robot's head is homed first")?;
+            context.style.remark(out, "the virtual robot's head is homed first")?;
             self.done(camera.home())?;
         }
         Ok(camera)
@@ -141,10 +145,6 @@ impl OpenRobot {
             Err(error) => Err(error.into()),
         }
     }
-
-    fn note(&self, context: &Context, out: &mut impl Write, text: &str) -> Result<()> {
-        context.style.remark(out, text)
-    }
 }
 
 impl From<Error> for Failure {
@@ -155,6 +155,9 @@ impl From<Error> for Failure {
             Error::NoAnswer { address: Address::Motion, .. } => failure.hint(
                 "check power and cable; --baud sets the speed of the line; --link virtual needs no robot",
             ),
+            Error::LinkOpen { link, .. } if link.starts_with("tcp://") => {
+                failure.hint("is a robot or rsapien sim --tcp listening there?")
+            }
             Error::Refused { status: rsapien_protocol::Status::Held, .. } => {
                 failure.hint("rsapien state tells why; rsapien init or rsapien stop releases it")
             }

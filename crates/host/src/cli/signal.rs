@@ -14,18 +14,34 @@ use super::exit::Status;
 /// What stops the motors.
 type Stop = Box<dyn FnOnce() + Send>;
 
-static RAISED: AtomicBool = AtomicBool::new(false);
-/// Whether the motors are being stopped right now.
-static STOPPING: AtomicBool = AtomicBool::new(false);
-static STOP: Mutex<Option<Stop>> = Mutex::new(None);
+/// What the signals' handler and the command share: a process has one of each.
+static SHARED: Shared = Shared {
+    raised: AtomicBool::new(false),
+    stopping: AtomicBool::new(false),
+    stop: Mutex::new(None),
+};
 static INSTALLED: OnceLock<std::result::Result<(), String>> = OnceLock::new();
 
 /// How often a wait looks whether it is over.
 const LOOK_MS: u64 = 20;
 
+struct Shared {
+    /// Whether the user wants the command to end.
+    raised: AtomicBool,
+    /// Whether the motors are being stopped right now.
+    stopping: AtomicBool,
+    stop: Mutex<Option<Stop>>,
+}
+
+impl Shared {
+    fn stop(&self) -> MutexGuard<'_, Option<Stop>> {
+        self.stop.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 /// The right to ask whether the user wants the command to end.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Interrupt(());
+#[derive(Clone, Copy)]
+pub(crate) struct Interrupt(&'static Shared);
 
 impl Interrupt {
     /// Takes Ctrl-C and SIGTERM over.
@@ -34,8 +50,8 @@ impl Interrupt {
             .get_or_init(|| ctrlc::set_handler(on_signal).map_err(|error| error.to_string()));
         match installed {
             Ok(()) => {
-                RAISED.store(false, Ordering::SeqCst);
-                Ok(Self(()))
+                SHARED.raised.store(false, Ordering::SeqCst);
+                Ok(Self(&SHARED))
             }
             Err(reason) => Err(Failure::new(format!("cannot watch for Ctrl-C: {reason}"))),
         }
@@ -43,17 +59,17 @@ impl Interrupt {
 
     /// What is done first when the user wants the command to end; it runs once, on a thread of its own.
     pub(crate) fn stop_first(self, stop: impl FnOnce() + Send + 'static) {
-        *stop_slot() = Some(Box::new(stop));
+        *self.0.stop() = Some(Box::new(stop));
     }
 
     /// Takes back what [`stop_first`](Self::stop_first) was given.
     pub(crate) fn stop_nothing(self) {
-        *stop_slot() = None;
+        *self.0.stop() = None;
     }
 
     /// Whether the user wants the command to end.
     pub(crate) fn is_raised(self) -> bool {
-        RAISED.load(Ordering::SeqCst)
+        self.0.raised.load(Ordering::SeqCst)
     }
 
     /// Refuses to go on when the user wants the command to end.
@@ -82,21 +98,17 @@ impl Interrupt {
     }
 }
 
-fn stop_slot() -> MutexGuard<'static, Option<Stop>> {
-    STOP.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 /// Runs on a thread of its own, never in a signal's context.
 fn on_signal() {
-    if RAISED.swap(true, Ordering::SeqCst) {
+    if SHARED.raised.swap(true, Ordering::SeqCst) {
         std::process::exit(i32::from(Status::Interrupted.code()));
     }
-    if let Some(stop) = stop_slot().take() {
-        STOPPING.store(true, Ordering::SeqCst);
+    if let Some(stop) = SHARED.stop().take() {
+        SHARED.stopping.store(true, Ordering::SeqCst);
         // Apart, so that a second Ctrl-C is heard while a dead line keeps this one waiting.
         thread::spawn(|| {
             stop();
-            STOPPING.store(false, Ordering::SeqCst);
+            SHARED.stopping.store(false, Ordering::SeqCst);
         });
     }
 }
@@ -104,7 +116,7 @@ fn on_signal() {
 /// Waits until the motors are stopped, when they are being stopped: the last thing before the process ends. A dead line
 /// is given up after its tries.
 pub(crate) fn finish() {
-    while STOPPING.load(Ordering::SeqCst) {
+    while SHARED.stopping.load(Ordering::SeqCst) {
         thread::sleep(Duration::from_millis(LOOK_MS));
     }
 }

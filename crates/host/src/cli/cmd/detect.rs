@@ -113,8 +113,7 @@ impl Cmd {
                 }
                 Err(failure) => {
                     seen.failed = true;
-                    let style = context.style;
-                    let text = render(&failure, style.error_terminal, style.color);
+                    let text = render(&failure, context.style.error);
                     std::io::stderr().write_all(text.as_bytes())?;
                 }
             }
@@ -272,7 +271,8 @@ fn listing(detection: &Detection) -> Table {
             format!("{:.1}", ellipse.center_y_px),
             format!("{:.1}", ellipse.semi_major_px),
             format!("{:.1}", ellipse.semi_minor_px),
-            format!("{:.3}", ellipse.theta_rad),
+            // Adding 0 turns -0 into 0.
+            format!("{:.3}", ellipse.theta_rad + 0.0),
             found.quality.to_string(),
         ]);
     }
@@ -305,7 +305,7 @@ fn answer<'a>(name: &'a str, picture: &Picture, detection: &Detection, counts: b
                     ellipse.center_y_px,
                     ellipse.semi_major_px,
                     ellipse.semi_minor_px,
-                    ellipse.theta_rad,
+                    ellipse.theta_rad + 0.0,
                 ]
             })
             .collect(),

@@ -53,8 +53,7 @@ pub(crate) struct Cmd {
     #[arg(long, value_name = "NAME|FILE", default_value = "demo", help = world::HELP)]
     world: String,
 
-    /// Let virtual time pass as fast as it goes, instead of one second a second. Who speaks to the robot then has to be
-    /// quick, or to switch its dead-man off
+    /// Let virtual time pass as fast as it goes while the robot is spoken to; real time otherwise
     #[arg(long)]
     fast: bool,
 }
@@ -96,17 +95,18 @@ fn tell(context: &Context, out: &mut impl Write, simulator: &Simulator) -> Resul
         "control": simulator.control_path(),
         "control_tcp": simulator.control_tcp_address(),
     });
-    let mut lines = vec!["the virtual robot runs until Ctrl-C".to_owned()];
+    let mut text = vec!["the virtual robot runs until Ctrl-C".to_owned()];
+    let width = links.iter().map(String::len).max().unwrap_or(0);
     for link in &links {
-        lines.push(format!("  link     {link}        try: rsapien --link {link} state"));
+        text.push(format!("  link     {link:<width$}   try: rsapien --link {link} state"));
     }
     if let Some(path) = simulator.control_path() {
-        lines.push(format!("  control  {}", path.display()));
+        text.push(format!("  control  {}", path.display()));
     }
     if let Some(address) = simulator.control_tcp_address() {
-        lines.push(format!("  control  tcp://{address}"));
+        text.push(format!("  control  tcp://{address}"));
     }
-    context.style.answer(out, &answer, lines.join("\n"))
+    context.style.answer(out, &answer, text.join("\n"))
 }
 
 impl From<SimulatorError> for Failure {

@@ -52,12 +52,12 @@ impl Cmd {
             if context.style.json {
                 json_line(out, &view::state(link, &state))?;
             } else {
-                if self.watch && context.style.terminal {
+                if self.watch && context.style.output.is_terminal() {
                     // To the upper left corner, and everything below gone.
                     write!(out, "\x1b[H\x1b[2J")?;
                 }
                 writeln!(out, "{}", view::state_text(link, &state))?;
-                if self.watch && !context.style.terminal {
+                if self.watch && !context.style.output.is_terminal() {
                     writeln!(out)?;
                 }
                 out.flush()?;

@@ -23,6 +23,7 @@ pub(crate) struct Cmd {}
 
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
+        let Self {} = self;
         let address = robot::address(context)?;
         // Only to tell who holds the line; a missing folder is no obstacle.
         let options = StopOptions { baud: context.baud, lock_folder: data::lock_folder() };

@@ -53,7 +53,7 @@ impl Cmd {
                 self.tag.map_or(String::new(), |tag| format!(" has the tag {tag}"))
             )?;
         } else {
-            let mut table = Table::new(&["name", "version", "lasts", "tags", "description"]);
+            let mut table = Table::new(&["name", "version", "  lasts", "tags", "description"]);
             for action in &actions {
                 table.row([
                     action.name.clone(),

@@ -148,7 +148,7 @@ fn look_text(sight: &Sight) -> String {
                 "a ball at ({:.1}, {:.1}), radius {:.1} px",
                 ellipse.center_x_px,
                 ellipse.center_y_px,
-                (ellipse.semi_major_px + ellipse.semi_minor_px) / 2.0
+                f64::midpoint(ellipse.semi_major_px, ellipse.semi_minor_px)
             )
         }
     };

@@ -73,9 +73,11 @@ impl Report {
             .as_ref()?
             .iter()
             .min_by(|one, other| distance(one).total_cmp(&distance(other)))?;
-        let radius = (found.semi_major_px + found.semi_minor_px) / 2.0;
+        let radius = f64::midpoint(found.semi_major_px, found.semi_minor_px);
         let true_radius = f64::midpoint(truth.semi_major, truth.semi_minor);
-        Some(Deviation { center_px: distance(&truth), radius_px: radius - true_radius, truth })
+        // Rounded as it is shown; adding 0 turns -0 into 0.
+        let radius_px = ((radius - true_radius) * 10.0).round() / 10.0 + 0.0;
+        Some(Deviation { center_px: distance(&truth), radius_px, truth })
     }
 
     fn detection_ms(&self) -> f64 {

@@ -16,41 +16,42 @@ pub(crate) struct Tuning {
     #[arg(long, value_enum, default_value_t = PresetName::Paper)]
     preset: PresetName,
 
-    /// Range of the semi-major axis in pixels: the paper's search domain [preset paper: 30..90]
-    #[arg(long, value_name = "MIN..MAX")]
+    #[arg(long, value_name = "MIN..MAX", help = preset("Range of the semi-major axis in pixels: the paper's search domain", |options| range(options.hough.semi_major_min_px, options.hough.semi_major_max_px)))]
     semi_major: Option<AxisRange>,
 
-    /// Range of the semi-minor axis in pixels [preset paper: 15..90, at most the semi-major one]
-    #[arg(long, value_name = "MIN..MAX")]
+    #[arg(long, value_name = "MIN..MAX", help = preset("Range of the semi-minor axis in pixels, at most the semi-major one", |options| range(options.hough.semi_minor_min_px, options.hough.semi_minor_max_px)))]
     semi_minor: Option<AxisRange>,
 
-    /// Least number of edge points on a contour: the paper's "ellipse quality"
-    #[arg(long, value_name = "POINTS")]
+    #[arg(long, value_name = "POINTS", help = preset("Least number of edge points on a contour: the paper's \"ellipse quality\"", |options| options.filter.quality_min.to_string()))]
     quality: Option<u32>,
 
-    /// Pairs of points tried for every edge point: the paper's C
-    #[arg(long, value_name = "C")]
+    #[arg(long, value_name = "C", help = preset("Pairs of points tried for every edge point: the paper's C", |options| options.hough.pairs_per_edge_point.to_string()))]
     pairs: Option<u32>,
 
-    /// Width of an accumulator bin in pixels: the paper's quantisation
-    #[arg(long, value_name = "PIXELS")]
+    #[arg(long, value_name = "PIXELS", help = preset("Width of an accumulator bin in pixels: the paper's quantisation", |options| options.hough.bin_width_px.to_string()))]
     bin: Option<f32>,
 
-    /// Least ratio of the points on the two sides of the major axis, 0 to 1
-    #[arg(long, value_name = "RATIO")]
+    #[arg(long, value_name = "RATIO", help = preset("Least ratio of the points on the two sides of the major axis, 0 to 1", |options| options.filter.side_proportion_min.to_string()))]
     proportion: Option<f64>,
 
-    /// Greatest distance within a cluster: the paper's D_T
-    #[arg(long, value_name = "D_T")]
+    #[arg(long, value_name = "D_T", help = preset("Greatest distance within a cluster: the paper's D_T", |options| options.cluster.distance_max.to_string()))]
     distance: Option<f64>,
 
-    /// Least number of virtual ellipses in a cluster
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help = preset("Least number of virtual ellipses in a cluster", |options| options.cluster.members_min.to_string()))]
     members: Option<u32>,
 
     /// Noise reduction before the gradient
     #[arg(long, value_enum)]
     noise: Option<NoiseName>,
+}
+
+/// Help that tells the number of the preset.
+fn preset(text: &str, value: impl Fn(&Options) -> String) -> String {
+    format!("{text} [preset paper: {}]", value(&Options::paper()))
+}
+
+fn range(least_px: f32, greatest_px: f32) -> String {
+    format!("{least_px}..{greatest_px}")
 }
 
 /// Presets by name.

@@ -67,7 +67,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     };
     let verbose = arguments.options.verbose;
     let context = Context::new(arguments.options);
-    start_tracing(verbose, context.style.color);
+    start_tracing(verbose, context.style);
     let mut out = std::io::stdout().lock();
     let result = arguments.command.run(&context, &mut out).and_then(|status| {
         out.flush()?;
@@ -78,8 +78,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(status) => status,
         Err(failure) if failure.is_closed_pipe() => Status::Done,
         Err(failure) => {
-            let style = context.style;
-            let text = diagnostics::render(&failure, style.error_terminal, style.color);
+            let text = diagnostics::render(&failure, context.style.error);
             // When even the standard error is gone, the status still tells.
             let _ = std::io::stderr().write_all(text.as_bytes());
             failure.exit_status()

@@ -56,42 +56,52 @@ impl PointGrid {
         Self { xs, ys, starts, tiles_x, tiles_y }
     }
 
-    /// The runs that together hold every point within the length of `axis` from its centre, split along the minor axis:
-    /// see [`Halves`].
-    pub(crate) fn halves_around(&self, axis: Axis, halves: &mut Halves) {
+    /// The runs that together hold every point within `radius` of the centre of `axis`, split along the minor axis.
+    #[allow(clippy::cast_possible_wrap)] // a picture has at most 2048 tiles on a side
+    pub(crate) fn halves_around(&self, axis: Axis, radius: f32, halves: &mut Halves) {
         halves.clear();
         if self.tiles_x == 0 || self.tiles_y == 0 {
             return;
         }
-        let tile_px = TILE_PX as f32;
-        let Axis { center_x, center_y, half_x, half_y } = axis;
-        // The circle and the border between the halves are widened a little against rounding.
-        let radius = (half_x * half_x + half_y * half_y).sqrt() + 0.01;
+        // All lengths in tiles from here on; the circle and the border between the halves are widened a little against
+        // rounding.
+        let per_tile = 1.0 / TILE_PX as f32;
+        let (center_x, center_y) = (axis.center_x * per_tile, axis.center_y * per_tile);
+        let radius = (radius + 0.01) * per_tile;
+        let radius2 = radius * radius;
+        // From the top to the lowest pixel row of a tile.
+        let height = (TILE_PX - 1) as f32 * per_tile;
+        let margin = 0.01 * per_tile;
         // Where the minor axis crosses a row: x = center_x - (y - center_y) slope. An almost upright major axis gives a
         // steep border that any finite slope bounds, since the widest picture ends within it.
-        let slope = half_y / half_x.max(1e-6);
-        let first = ((center_y - radius) / tile_px) as usize;
-        let last = (((center_y + radius) / tile_px) as usize).min(self.tiles_y - 1);
-        for tile_y in first..=last {
-            let top = (tile_y * TILE_PX) as f32 - center_y;
-            let bottom = top + (tile_px - 1.0);
+        let slope = axis.half_y / axis.half_x.max(1e-6);
+        // Casts cut down, and clip what is too large.
+        let first = ((center_y - radius) as i32).max(0);
+        let last = ((center_y + radius) as i32).min(self.tiles_y as i32 - 1);
+        let tiles_x = self.tiles_x as i32;
+        // First the tiles of each row, without a branch, then the points in them.
+        halves.tiles.extend((first..=last).map(|tile_y| {
+            let top = tile_y as f32 - center_y;
+            let bottom = top + height;
             let nearest = top.max(-bottom).max(0.0);
-            let reach = (radius * radius - nearest * nearest).max(0.0).sqrt();
-            // Casts cut down and clip at 0.
-            let left = ((center_x - reach) / tile_px) as usize;
-            let behind = (((center_x + reach) / tile_px) as usize + 1).min(self.tiles_x);
-            if left >= behind {
-                continue;
-            }
+            let reach = (radius2 - nearest * nearest).max(0.0).sqrt();
+            let left = ((center_x - reach) as i32).max(0);
+            let behind = (((center_x + reach) as i32) + 1).min(tiles_x).max(left);
             let (one, other) = (center_x - top * slope, center_x - bottom * slope);
             // Tiles before `back_end` hold all that lies behind the minor axis, those from `front_start` on all before it.
-            let back_end = (((one.max(other) + 0.01) / tile_px) as usize + 1).clamp(left, behind);
-            let front_start = (((one.min(other) - 0.01) / tile_px) as usize).clamp(left, behind);
-            let row = &self.starts[tile_y * (self.tiles_x + 1)..];
-            let at = |tile: usize| row[tile] as usize;
-            halves.rows.push([at(left), at(front_start), at(back_end), at(behind)]);
-            halves.back += at(back_end) - at(left);
-            halves.front += at(behind) - at(front_start);
+            let back_end =
+                ((one.max(other) + margin) as i32).saturating_add(1).max(left).min(behind);
+            let front_start = ((one.min(other) - margin) as i32).max(left).min(behind);
+            [left, front_start, back_end, behind]
+        }));
+        let rows = self.starts.chunks_exact(self.tiles_x + 1).skip(first as usize);
+        for (row, tiles) in rows.zip(&halves.tiles) {
+            // Each is at least 0 and at most `tiles_x`, but for rows that lie to the right of all tiles.
+            let at = |tile: i32| row[(tile as usize).min(self.tiles_x)] as usize;
+            let run = tiles.map(at);
+            halves.back += run[2] - run[0];
+            halves.front += run[3] - run[1];
+            halves.rows.push(run);
         }
     }
 }
@@ -102,6 +112,8 @@ pub(crate) struct Halves {
     /// Start of the run, start of what lies before the minor axis, end of what lies behind it, end of the run. The tiles
     /// that the minor axis crosses belong to both.
     rows: Vec<[usize; 4]>,
+    /// The same as tiles of their row.
+    tiles: Vec<[i32; 4]>,
     back: usize,
     front: usize,
 }
@@ -109,6 +121,7 @@ pub(crate) struct Halves {
 impl Halves {
     fn clear(&mut self) {
         self.rows.clear();
+        self.tiles.clear();
         (self.back, self.front) = (0, 0);
     }
 
@@ -149,6 +162,7 @@ mod tests {
         fn every_point_within_the_radius_is_in_exactly_one_run(
             coordinates in prop::collection::btree_set((0_u16..60, 0_u16..60), 0..200),
             x in 0_u16..120, y in 0_u16..120, half_x in 0_u16..80, half_y in -80_i16..80,
+            radius in 1.0..60.0_f32,
         ) {
             let points: Vec<_> = coordinates.iter().map(|&(x, y)| EdgePoint { x, y }).collect();
             let grid = PointGrid::new(&points);
@@ -158,7 +172,7 @@ mod tests {
                 center_x: half(x.into()), center_y: half(y.into()), half_x: half(half_x.into()), half_y: half(half_y.into()),
             };
             let mut halves = Halves::default();
-            grid.halves_around(axis, &mut halves);
+            grid.halves_around(axis, radius, &mut halves);
             let first: Vec<_> = halves.first().flatten().collect();
             let mut all: Vec<_> = first.iter().copied().chain(halves.rest().flatten()).collect();
             prop_assert_eq!(first.len(), halves.first_len());
@@ -167,7 +181,7 @@ mod tests {
             all.dedup();
             prop_assert_eq!(all.len(), visited, "runs overlap");
             let near = |i: &&usize| (grid.xs[**i] - axis.center_x).hypot(grid.ys[**i] - axis.center_y)
-                <= axis.half_x.hypot(axis.half_y);
+                <= radius;
             let wanted = (0..grid.xs.len()).collect::<Vec<_>>().iter().filter(near).count();
             prop_assert_eq!(all.iter().filter(near).count(), wanted);
             // The first half holds all near points of its side.

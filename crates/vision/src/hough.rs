@@ -131,7 +131,7 @@ pub fn search(
                         let (one, other) = (draw(points, &mut random), draw(points, &mut random));
                         let Some(axis) = axis_in_domain(one, other, options) else { continue };
                         found.pairs += 1;
-                        grid.halves_around(axis, halves);
+                        grid.halves_around(axis, accumulator.reach_px(axis), halves);
                         let peak = accumulator.vote(&grid, halves, axis, side_votes_min);
                         found.votes += std::mem::take(&mut accumulator.visited);
                         found.candidates.extend(peak.map(|peak| complete(axis, peak)));

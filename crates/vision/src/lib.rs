@@ -17,6 +17,8 @@
 // Coordinates, counts and grey values change their type often and deliberately; where a cast can lose something, the
 // line beside it says why it does not.
 #![allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
+// The hot loops must be inlined into the function that is compiled for several instruction sets.
+#![allow(clippy::inline_always)]
 
 pub mod cluster;
 pub mod detect;

@@ -6,9 +6,10 @@
 //! computes `U = a u` and `V = a v`, which are exact in `f32` for any two pixels, and
 //! `b² = V² A / ((A - U) (A + U))` with `A = a²`.
 //!
-//! A point votes when `b` lies in the range of the semi-minor axis and is at most `a`. `b <= a` is the same as `d <= a`,
-//! the condition that the third point is no farther from the centre than the vertices; beyond the vertices the quotient
-//! is negative and its root not a number, which is no vote.
+//! A point votes when `b` lies in the range of the semi-minor axis and is not greater than `a`, where `b <= a` is asked for in
+//! whole bins: up to the end of the bin that holds `a`. (Asked for exactly it would cut the contour of a circle in half along
+//! its length, and circles would be the hardest ellipses to find.) Beyond the vertices the quotient is negative
+//! and its root not a number, which is no vote.
 //!
 //! Bin `k` holds `b` from `b_min + k w` to `b_min + (k + 1) w` (`w` the bin width) and stands for its middle. Against
 //! the formulas in exact arithmetic a vote may move to the neighbouring bin only when `b` lies within a relative 1e-5 of
@@ -19,15 +20,15 @@ use std::ops::Range;
 
 use crate::grid::{Halves, LANES, PointGrid};
 
-/// Accumulator slots a quadrant of the ellipse; two of them catch what lies outside the range.
-const QUADRANT_SLOTS: usize = 1024;
+/// Most slots a quadrant of the ellipse: its bins, and one slot on either side for what lies outside the range.
+const QUADRANT_SLOTS_MAX: usize = 1024;
 /// Most bins that an accumulator may have.
-pub(crate) const BINS_MAX: usize = QUADRANT_SLOTS - 2;
+pub(crate) const BINS_MAX: usize = QUADRANT_SLOTS_MAX - 2;
 /// Slots that are gathered before they are counted.
 const GATHERED_MAX: usize = 2048;
 /// Counter copies that take turns, so that neighbours in one bin need not wait for each other's count.
 const COPIES: usize = 2;
-const SLOTS: usize = 4 * QUADRANT_SLOTS;
+const SLOTS: usize = 4 * QUADRANT_SLOTS_MAX;
 
 /// What voting needs to know of a pair: the centre and the vector from the centre to one vertex, in pixels. Of the two
 /// vertices the right one is taken (of an upright pair the lower one), so `half_x >= 0`.
@@ -47,6 +48,10 @@ pub(crate) struct Accumulator {
     first_px: f32,
     width_px: f32,
     bins: usize,
+    /// Slots of a quadrant, as a power of two.
+    quadrant_bits: u32,
+    /// The instruction set that voting uses.
+    instructions: pulp::Arch,
     /// Points visited since the accumulator was made.
     pub(crate) visited: usize,
 }
@@ -62,8 +67,32 @@ pub(crate) struct Peak {
 impl Accumulator {
     /// `bins` is at most [`BINS_MAX`].
     pub(crate) fn new(first_px: f32, width_px: f32, bins: usize) -> Self {
+        let bins = bins.min(BINS_MAX);
+        let quadrant_bits = (bins + 2).next_power_of_two().ilog2();
         let (counts, gathered) = (vec![[0; SLOTS]; COPIES], vec![0; GATHERED_MAX]);
-        Self { counts, gathered, first_px, width_px, bins: bins.min(BINS_MAX), visited: 0 }
+        Self {
+            counts,
+            gathered,
+            first_px,
+            width_px,
+            bins,
+            quadrant_bits,
+            instructions: pulp::Arch::new(),
+            visited: 0,
+        }
+    }
+
+    /// The greatest `b` that votes for an ellipse with semi-major axis `a_px`: the end of the bin that holds `a_px`, or of the
+    /// last bin.
+    fn limit_px(&self, a_px: f32) -> f32 {
+        let bins = ((a_px - self.first_px) / self.width_px).floor() + 1.0;
+        self.first_px + bins.min(self.bins as f32) * self.width_px
+    }
+
+    /// How far from the centre points may vote for the ellipses on `axis`, in pixels: `a`, or the greatest `b` for a circle.
+    pub(crate) fn reach_px(&self, axis: Axis) -> f32 {
+        let a_px = (axis.half_x * axis.half_x + axis.half_y * axis.half_y).sqrt();
+        a_px.max(self.limit_px(a_px))
     }
 
     /// Empties the accumulator, lets the points of `halves` vote for the ellipses on `axis`, and returns the fullest bin
@@ -80,9 +109,7 @@ impl Accumulator {
             return None;
         }
         for copy in &mut self.counts {
-            for quadrant in copy.chunks_exact_mut(QUADRANT_SLOTS) {
-                quadrant[..self.bins + 2].fill(0);
-            }
+            copy[..4 << self.quadrant_bits].fill(0);
         }
         self.vote_runs(grid, halves.first(), axis);
         let first_side = usize::from(halves.first_is_back());
@@ -104,7 +131,22 @@ impl Accumulator {
         runs: impl Iterator<Item = Range<usize>>,
         axis: Axis,
     ) {
-        let scale = Scale::new(axis, self.first_px, self.width_px, self.bins);
+        // Compiled for several instruction sets; the one of this machine is taken. Nothing is rounded otherwise.
+        let instructions = self.instructions;
+        instructions.dispatch(
+            #[inline(always)]
+            || self.vote_runs_here(grid, runs, axis),
+        );
+    }
+
+    #[inline(always)]
+    fn vote_runs_here(
+        &mut self,
+        grid: &PointGrid,
+        runs: impl Iterator<Item = Range<usize>>,
+        axis: Axis,
+    ) {
+        let scale = Scale::new(axis, self);
         // Runs are short; their slots are gathered so that the counting is one long loop.
         let mut gathered = 0;
         for mut run in runs {
@@ -130,7 +172,7 @@ impl Accumulator {
     /// The votes of a bin by quadrant.
     fn votes(&self, bin: usize) -> [u32; 4] {
         [0, 1, 2, 3].map(|quadrant| {
-            self.counts.iter().map(|copy| copy[quadrant * QUADRANT_SLOTS + bin + 1]).sum()
+            self.counts.iter().map(|copy| copy[(quadrant << self.quadrant_bits) + bin + 1]).sum()
         })
     }
 
@@ -159,21 +201,23 @@ struct Scale {
     a2_bins: f32,
     /// From `b` in bin widths to slots.
     shift: f32,
-    /// Greatest `b` that votes, in bin widths: `a` or the end of the last bin.
+    /// Greatest `b` that votes, in bin widths.
     limit_bins: f32,
+    quadrant_bits: u32,
 }
 
 impl Scale {
-    fn new(axis: Axis, first_px: f32, width_px: f32, bins: usize) -> Self {
-        let per_px = 1.0 / width_px;
+    fn new(axis: Axis, accumulator: &Accumulator) -> Self {
+        let per_px = 1.0 / accumulator.width_px;
         let a2 = axis.half_x * axis.half_x + axis.half_y * axis.half_y;
         Self {
             axis,
             a2,
             a2_bins: a2 * per_px * per_px,
             // Slots are rounded to, so half a slot below the lower border of bin 0, which is slot 1.
-            shift: 0.5 - first_px * per_px,
-            limit_bins: a2.sqrt().min(first_px + bins as f32 * width_px) * per_px,
+            shift: 0.5 - accumulator.first_px * per_px,
+            limit_bins: accumulator.limit_px(a2.sqrt()) * per_px,
+            quadrant_bits: accumulator.quadrant_bits,
         }
     }
 
@@ -193,12 +237,13 @@ impl Scale {
         let place = if b_bins <= self.limit_bins { place } else { 0.0 };
         let place = if place > 0.0 { place } else { 0.0 };
         let quadrant = ((across.to_bits() >> 31) << 1) | (along.to_bits() >> 31);
-        ((place + TO_INTEGER).to_bits() & (QUADRANT_SLOTS as u32 - 1))
-            | (quadrant * QUADRANT_SLOTS as u32)
+        ((place + TO_INTEGER).to_bits() & (QUADRANT_SLOTS_MAX as u32 - 1))
+            | (quadrant << self.quadrant_bits)
     }
 }
 
 /// The hot loop: the slots of a run of points. Its body has no branch, so the compiler takes several points at a time.
+#[inline(always)]
 fn find_slots(xs: &[f32], ys: &[f32], scale: Scale, slots: &mut [u32]) {
     for ((slot, &x), &y) in slots.iter_mut().zip(xs).zip(ys) {
         *slot = scale.slot(x, y);
@@ -206,6 +251,7 @@ fn find_slots(xs: &[f32], ys: &[f32], scale: Scale, slots: &mut [u32]) {
 }
 
 /// Counts one vote for each of `slots`.
+#[inline(always)]
 fn count(slots: &[u32], counts: &mut [[u32; SLOTS]]) {
     let mut groups = slots.chunks_exact(LANES);
     for group in &mut groups {

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 const FIRST_PX: f64 = 5.0;
 const BINS: usize = 12;
 
-/// Equations (7) and (8) as printed, for vertices `v1` and `v2` and a third point; `None` where no point votes.
+/// Equations (7) and (8) as printed, for vertices `v1` and `v2` and a third point; `None` where they give no number.
 #[allow(clippy::many_single_char_names)] // the paper's names
 fn semi_minor_as_printed(v1: (f64, f64), v2: (f64, f64), third: (f64, f64)) -> Option<f64> {
     let length = |one: (f64, f64), other: (f64, f64)| (one.0 - other.0).hypot(one.1 - other.1);
@@ -14,8 +14,7 @@ fn semi_minor_as_printed(v1: (f64, f64), v2: (f64, f64), third: (f64, f64)) -> O
     let a = length(v1, v2) / 2.0;
     let d = length(center, third);
     let f = length(v2, third);
-    // A point on the circle itself votes, whatever the last bit of a root says.
-    if d > a * (1.0 + 1e-12) || d == 0.0 {
+    if d == 0.0 {
         return None;
     }
     let cos_t = (a * a + d * d - f * f) / (2.0 * a * d);
@@ -52,23 +51,23 @@ proptest! {
         let grid = PointGrid::new(&points);
         let axis = axis_of(v1, v2);
         let mut halves = Halves::default();
-        grid.halves_around(axis, &mut halves);
         let mut accumulator = Accumulator::new(FIRST_PX as f32, width_px as f32, BINS);
+        grid.halves_around(axis, accumulator.reach_px(axis), &mut halves);
         accumulator.vote(&grid, &halves, axis, 0);
 
         // Between these bounds lie the votes that the formulas give, points on a border counted on either side.
-        let (mut least, mut most) = ([0; BINS], [0; BINS]);
+        let (mut least, mut most) = ([0_u32; BINS], [0_u32; BINS]);
         let float = |point: (u16, u16)| (f64::from(point.0), f64::from(point.1));
         for &point in &coordinates {
             let Some(b) = semi_minor_as_printed(float(v1), float(v2), float(point)) else { continue };
             let bins = bins_of(b, width_px);
+            // `b <= a` in whole bins; `a` may lie on a border itself.
+            let a = f64::from(axis.half_x.hypot(axis.half_y));
+            let bin_of = |value: f64| ((value - FIRST_PX) / width_px).floor();
+            let (last_sure, last) = (bin_of(a * (1.0 - 1e-5)), bin_of(a * (1.0 + 1e-5)));
             for &bin in &bins {
-                most[bin] += 1;
-                // On the border of the circle, b equals a and may be refused by rounding.
-                let a = f64::from(axis.half_x.hypot(axis.half_y));
-                if bins.len() == 1 && b < a * (1.0 - 1e-5) && b > FIRST_PX * (1.0 + 1e-5) {
-                    least[bin] += 1;
-                }
+                most[bin] += u32::from(bin as f64 <= last);
+                least[bin] += u32::from(bins.len() == 1 && bin as f64 <= last_sure && b > FIRST_PX * (1.0 + 1e-5));
             }
         }
         for bin in 0..BINS {
@@ -87,7 +86,7 @@ proptest! {
         for pair in points.chunks_exact(2) {
             let (left, right) = if pair[0] <= pair[1] { (pair[0], pair[1]) } else { (pair[1], pair[0]) };
             let axis = axis_of((left.x, left.y), (right.x, right.y));
-            grid.halves_around(axis, &mut halves);
+            grid.halves_around(axis, accumulator.reach_px(axis), &mut halves);
             let whole = accumulator.vote(&grid, &halves, axis, 0);
             let cut = accumulator.vote(&grid, &halves, axis, side_votes_min);
             let expected = whole.filter(|peak| {
@@ -106,8 +105,9 @@ fn the_four_quadrants_are_told_apart() {
         let grid = PointGrid::new(&[EdgePoint { x: point.0, y: point.1 }]);
         let axis = axis_of((10, 30), (50, 30));
         let mut halves = Halves::default();
-        grid.halves_around(axis, &mut halves);
-        let peak = Accumulator::new(9.5, 1.0, 5).vote(&grid, &halves, axis, 0).expect("a vote");
+        let mut accumulator = Accumulator::new(9.5, 1.0, 5);
+        grid.halves_around(axis, accumulator.reach_px(axis), &mut halves);
+        let peak = accumulator.vote(&grid, &halves, axis, 0).expect("a vote");
         let mut expected = [0; 4];
         expected[quadrant] = 1;
         assert_eq!(peak, Peak { semi_minor_px: 10.0, votes_by_quadrant: expected });

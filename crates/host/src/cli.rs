@@ -73,8 +73,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         out.flush()?;
         Ok(status)
     });
-    signal::finish();
-    let status = match result {
+    let status = match signal::finish().and(result) {
         Ok(status) => status,
         Err(failure) if failure.is_closed_pipe() => Status::Done,
         Err(failure) => {

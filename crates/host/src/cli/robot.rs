@@ -82,9 +82,9 @@ pub(crate) fn open_with(
     let cancel = CancelToken::new();
     let (stop, token) = (robot.stop_handle(), cancel.clone());
     interrupt.stop_first(move || {
-        // Where the robot does not answer, its dead-man stops it.
-        let _ = stop.stop();
+        let stopped = stop.stop();
         token.cancel();
+        stopped.is_ok()
     });
     Ok(OpenRobot { robot, interrupt, cancel, is_virtual: *address == LinkAddress::Virtual })
 }

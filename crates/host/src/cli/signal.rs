@@ -11,13 +11,14 @@ use std::time::{Duration, Instant};
 use super::diagnostics::{Failure, Result};
 use super::exit::Status;
 
-/// What stops the motors.
-type Stop = Box<dyn FnOnce() + Send>;
+/// What stops the motors, and tells whether the robot said so.
+type Stop = Box<dyn FnOnce() -> bool + Send>;
 
 /// What the signals' handler and the command share: a process has one of each.
 static SHARED: Shared = Shared {
     raised: AtomicBool::new(false),
     stopping: AtomicBool::new(false),
+    unanswered: AtomicBool::new(false),
     stop: Mutex::new(None),
 };
 static INSTALLED: OnceLock<std::result::Result<(), String>> = OnceLock::new();
@@ -30,6 +31,8 @@ struct Shared {
     raised: AtomicBool,
     /// Whether the motors are being stopped right now.
     stopping: AtomicBool,
+    /// Whether the robot did not answer when it was to stop.
+    unanswered: AtomicBool,
     stop: Mutex<Option<Stop>>,
 }
 
@@ -57,8 +60,9 @@ impl Interrupt {
         }
     }
 
-    /// What is done first when the user wants the command to end; it runs once, on a thread of its own.
-    pub(crate) fn stop_first(self, stop: impl FnOnce() + Send + 'static) {
+    /// What is done first when the user wants the command to end; it runs once, on a thread of its own, and tells whether
+    /// the robot answered.
+    pub(crate) fn stop_first(self, stop: impl FnOnce() -> bool + Send + 'static) {
         *self.0.stop() = Some(Box::new(stop));
     }
 
@@ -107,16 +111,22 @@ fn on_signal() {
         SHARED.stopping.store(true, Ordering::SeqCst);
         // Apart, so that a second Ctrl-C is heard while a dead line keeps this one waiting.
         thread::spawn(|| {
-            stop();
+            SHARED.unanswered.store(!stop(), Ordering::SeqCst);
             SHARED.stopping.store(false, Ordering::SeqCst);
         });
     }
 }
 
 /// Waits until the motors are stopped, when they are being stopped: the last thing before the process ends. A dead line
-/// is given up after its tries.
-pub(crate) fn finish() {
+/// is given up after its tries; then this tells that the robot did not answer.
+pub(crate) fn finish() -> Result<()> {
     while SHARED.stopping.load(Ordering::SeqCst) {
         thread::sleep(Duration::from_millis(LOOK_MS));
     }
+    if SHARED.unanswered.swap(false, Ordering::SeqCst) {
+        return Err(Failure::new("interrupted; the robot did not answer STOP")
+            .status(Status::Interrupted)
+            .hint("look at it: its dead-man stops a robot that hears nothing, after half a second unless told otherwise"));
+    }
+    Ok(())
 }

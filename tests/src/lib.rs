@@ -25,7 +25,7 @@ pub fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
         if path.is_dir() && !name.starts_with('.') && !NOT_OURS.contains(&name.as_str()) {
             found.extend(files(&path, endings));
         } else if path.is_file()
-            && !name.ends_with(".so")
+            && path.extension().is_none_or(|extension| extension != "so")
             && endings.iter().any(|ending| name.ends_with(ending))
         {
             found.push(path);

@@ -75,7 +75,7 @@ pub(crate) struct PyDetection {
 impl PyDetection {
     #[getter]
     fn ellipses(&self) -> Vec<PyEllipse> {
-        self.detection.ellipses.iter().map(|found| PyEllipse { found: found.clone() }).collect()
+        self.detection.ellipses.iter().map(|found| PyEllipse { found: *found }).collect()
     }
 
     #[getter]
@@ -121,7 +121,7 @@ impl PyDetection {
             usize::try_from(place).ok().and_then(|place| self.detection.ellipses.get(place));
         let message = || format!("ellipse {index} of {count}");
         let found = found.ok_or_else(|| pyo3::exceptions::PyIndexError::new_err(message()))?;
-        Ok(PyEllipse { found: found.clone() })
+        Ok(PyEllipse { found: *found })
     }
 
     fn __repr__(&self) -> String {
@@ -212,16 +212,13 @@ pub(crate) fn detect(
         Borrowed::Gray(array) => {
             let (height, width) = (array.shape()[0], array.shape()[1]);
             // A contiguous picture is read where it stands; another one is copied once.
-            match c_order(array) {
-                Some(pixels) => {
-                    let view = GrayView::new(pixels, width, height, width).map_err(value_error)?;
-                    py.detach(|| detector.detect(&view, seed))
-                }
-                None => {
-                    let pixels = array.as_array().iter().copied().collect();
-                    let picture = GrayImage::new(pixels, width, height).map_err(value_error)?;
-                    py.detach(|| detector.detect(&picture.view(), seed))
-                }
+            if let Some(pixels) = c_order(array) {
+                let view = GrayView::new(pixels, width, height, width).map_err(value_error)?;
+                py.detach(|| detector.detect(&view, seed))
+            } else {
+                let pixels = array.as_array().iter().copied().collect();
+                let picture = GrayImage::new(pixels, width, height).map_err(value_error)?;
+                py.detach(|| detector.detect(&picture.view(), seed))
             }
         }
         Borrowed::Color(array, layout) => {

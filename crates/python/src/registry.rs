@@ -1,4 +1,4 @@
-//! `Registry`: RoboRegistry from Python.
+//! `Registry`: the registry from Python.
 
 use crate::errors::registry_error;
 use pyo3::prelude::*;

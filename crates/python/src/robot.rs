@@ -103,7 +103,7 @@ impl PyRobot {
             let mut options = PlayOptions {
                 cancel: token.clone(),
                 on_progress: Some(Box::new(move |told| {
-                    progress((told.steps_ended, told.steps_total))
+                    progress((told.steps_ended, told.steps_total));
                 })),
                 ..PlayOptions::default()
             };

@@ -6,10 +6,8 @@ use crate::io::Picture;
 
 /// Red, green, blue.
 pub type Color = [u8; 3];
-/// Colour of the ellipses in [`annotate`].
-pub const ELLIPSE_COLOR: Color = [255, 32, 32];
-/// Colour of the centres in [`annotate`].
-pub const CENTER_COLOR: Color = [32, 224, 32];
+/// Colour of the ellipses and centres in [`annotate`]: a green that few things in a room have.
+pub const ELLIPSE_COLOR: Color = [32, 255, 32];
 /// Half the width of the drawn contour in pixels.
 const HALF_WIDTH_PX: f64 = 0.75;
 /// Length of one arm of the cross at a centre, in pixels.
@@ -19,7 +17,7 @@ const CROSS_PX: i64 = 4;
 pub fn annotate(picture: &mut Picture, detection: &Detection) {
     for detected in &detection.ellipses {
         ellipse(picture, &detected.ellipse, ELLIPSE_COLOR);
-        cross(picture, &detected.ellipse, CENTER_COLOR);
+        cross(picture, &detected.ellipse, ELLIPSE_COLOR);
     }
 }
 

@@ -38,8 +38,8 @@ impl Ellipse {
         Self {
             semi_major_px: major,
             semi_minor_px: minor,
-            // A tiny negative angle is rounded up to π itself.
-            theta_rad: if wrapped >= PI { 0.0 } else { wrapped },
+            // A tiny negative angle is rounded up to π itself, and the sum makes of -0 a 0.
+            theta_rad: if wrapped >= PI { 0.0 } else { wrapped + 0.0 },
             ..self
         }
     }

@@ -25,8 +25,6 @@ use crate::{CameraController, LinkAddress, RobotOptions};
 /// The action that the demo walks by.
 const WALK: &str = "walk-forward";
 
-/// Colour of the ball's contour: one that a red ball on a wooden table has not.
-const BALL_COLOR: draw::Color = [32, 224, 32];
 
 /// What the user asked for.
 pub(super) struct Settings {
@@ -159,8 +157,8 @@ fn look_text(sight: &Sight) -> String {
 fn annotated(picture: &Picture, sight: &Sight) -> Picture {
     let mut drawn = picture.clone();
     if let Some(ball) = &sight.ball {
-        draw::ellipse(&mut drawn, &ball.ellipse, BALL_COLOR);
-        draw::cross(&mut drawn, &ball.ellipse, draw::CENTER_COLOR);
+        draw::ellipse(&mut drawn, &ball.ellipse, draw::ELLIPSE_COLOR);
+        draw::cross(&mut drawn, &ball.ellipse, draw::ELLIPSE_COLOR);
     }
     drawn
 }

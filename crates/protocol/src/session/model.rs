@@ -18,7 +18,7 @@
 mod robot;
 
 use super::*;
-use crate::{Fed, Pose, Step};
+use crate::{Fed, Pose, Status, Step};
 use robot::Robot;
 use std::collections::{HashSet, VecDeque};
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher, Hash};

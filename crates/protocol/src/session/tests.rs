@@ -1,7 +1,9 @@
 //! The session against a line whose every package the test answers by hand.
 
 use super::*;
-use crate::{CameraReport, Fed, Mode, MotionReport, Pose, Step, StopCause};
+use crate::{
+    CameraReport, Fed, HelloReport, Mode, MotionReport, Pose, Report, Status, Step, StopCause,
+};
 
 const ANSWER_TIME_MS: u64 = 48;
 

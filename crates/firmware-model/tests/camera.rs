@@ -2,9 +2,11 @@
 
 mod common;
 
-use common::Camera;
+use common::{Camera, SESSION};
 use rsapien_firmware_model::{CameraOutputs, Controller};
-use rsapien_protocol::{AimTarget, Joint, Mode, Parameter, Request, Status, StopCause};
+use rsapien_protocol::{
+    AimTarget, HelloReport, Joint, Kind, Mode, Parameter, Report, Request, Status, StopCause,
+};
 
 fn aim(pan_centideg: i16, tilt_centideg: i16, speed_deg_per_s: u16) -> Request {
     Request::Aim(AimTarget { pan_centideg, tilt_centideg, speed_deg_per_s })
@@ -178,4 +180,78 @@ fn an_aim_begins_with_no_tenths_from_the_one_before() {
     camera.at(1).accepts(aim(100, 0, 5));
     assert_eq!(camera.at(2).controller.outputs(), commanded(0, 0));
     assert_eq!(camera.at(3).controller.outputs(), commanded(1, 0));
+}
+
+#[test]
+fn every_kind_byte_has_one_answer_of_the_camera() {
+    for kind_byte in 0..=255u8 {
+        let mut camera = Camera::in_session();
+        let mut content = [3, 4, kind_byte, 0, 0, 0, 0, 0, 0, 0, 0, 1];
+        let expected = match Kind::from_byte(kind_byte) {
+            None => Status::UnknownKind,
+            Some(Kind::Init | Kind::Step) => Status::NotThisControllers,
+            Some(_) => Status::BadArgument,
+        };
+        let answer = camera.sends_content(content);
+        assert_eq!((answer.session, answer.sequence, answer.kind_byte), (3, 4, kind_byte));
+        assert_eq!(answer.status, expected);
+        assert!(answer.report.answers(kind_byte));
+        content[11] = 0;
+        let expected = match Kind::from_byte(kind_byte) {
+            None => Status::UnknownKind,
+            Some(Kind::Init | Kind::Step) => Status::NotThisControllers,
+            Some(Kind::Hello) => Status::BadArgument,
+            // All zeros switch the dead-man off.
+            Some(Kind::Configure | Kind::Aim | Kind::Home) => Status::NoSession,
+            Some(Kind::State | Kind::Stop | Kind::Counters) => Status::Accepted,
+        };
+        assert_eq!(camera.sends_content(content).status, expected);
+    }
+}
+
+#[test]
+fn the_camera_tells_the_first_refusal_of_the_order() {
+    // Held, and not initialised, since the dead-man tripped during the first HOME.
+    let mut camera = Camera::in_session();
+    camera.accepts(Request::Home);
+    assert_eq!(camera.at(500).controller.mode(), Mode::Held);
+    for (session, sequence, status) in [
+        (SESSION + 1, 9, Status::NoSession),
+        (SESSION, 9, Status::OutOfSequence),
+        (SESSION, 2, Status::NotInitialised),
+    ] {
+        let content = [session, sequence, Kind::Aim.byte(), 0, 0, 0, 0, 0, 0, 0, 0, 0];
+        assert_eq!(camera.sends_content(content).status, status);
+    }
+}
+
+#[test]
+fn the_camera_numbers_and_counts_for_itself() {
+    let mut camera = Camera::homed();
+    camera.accepts(aim(900, 0, 0));
+    // The number is used up: another target under it is not aimed at.
+    let answer = camera.answer_to(camera.sequence, aim(-900, 0, 0));
+    let Report::Camera(report) = answer.report else { panic!("the own report") };
+    assert_eq!((answer.status, report.pan_target_centideg), (Status::Accepted, 900));
+    let hello = Request::Hello { lowest_version: 0, highest_version: 9, session: SESSION };
+    let Report::Hello(HelloReport { version, queue_length, last_sequence, boot, .. }) =
+        camera.answer_to(0, hello).report
+    else {
+        panic!("HELLO has its own report")
+    };
+    assert_eq!((version, queue_length, last_sequence, boot), (1, 0, camera.sequence, 42));
+    let Report::Counters(counts) = camera.answer_to(0, Request::Counters).report else {
+        panic!("COUNTERS has its own report")
+    };
+    assert_eq!((counts.duplicates, counts.dead_man_trips, counts.resets), (1, 0, 0));
+}
+
+#[test]
+fn a_later_home_that_is_stopped_has_lost_nothing() {
+    let mut camera = Camera::homed();
+    camera.accepts(aim(900, 0, 0));
+    camera.at(100).accepts(Request::Home);
+    camera.at(110).accepts(Request::Stop);
+    let report = camera.accepts(aim(900, 0, 0));
+    assert_eq!((report.mode, report.pan_centideg), (Mode::Executing, 720));
 }

@@ -268,3 +268,14 @@ fn a_reset_keeps_the_clock_and_forgets_what_was_configured() {
     let report = motion.hello(SESSION);
     assert_eq!((report.clock_mhz, report.dead_man_ms, report.last_sequence), (10, 500, 0));
 }
+
+#[test]
+fn a_hold_refuses_steps_alone() {
+    let mut motion = Motion::initialised();
+    motion.accepts(Request::Step(pause(2000)));
+    assert_eq!(motion.at(500).controller.mode(), Mode::Held);
+    motion.refuses(Request::Step(pause(10)), Status::Held);
+    let report = motion.accepts(Request::Configure(Parameter::DeadMan { timeout_ms: 900 }));
+    assert_eq!(report.mode, Mode::Held);
+    assert_eq!(motion.hello(SESSION).dead_man_ms, 900);
+}

@@ -6,8 +6,9 @@ use rsapien_firmware_model::{
     MotorOutput, ResetCause, switch_half_window_ms,
 };
 use rsapien_protocol::{
-    ActionPackage, Address, CameraReport, Fed, HelloReport, Joint, MotionReport, Pose, Position,
-    Receiver, Report, Request, Status, Step, SynchronizationPackage, frame,
+    ActionPackage, Address, CameraReport, Direction, Fed, HeaderByte, HelloReport, Joint,
+    MotionReport, Pose, Position, Receiver, Report, Request, Status, Step, SynchronizationPackage,
+    frame,
 };
 
 pub const SESSION: u8 = 7;
@@ -170,8 +171,7 @@ impl Motion {
     /// Sends a content and gives the answer to it.
     #[track_caller]
     pub fn sends_content(&mut self, content: [u8; 12]) -> SynchronizationPackage {
-        let header = 0xC9;
-        let header = rsapien_protocol::HeaderByte::from_byte(header).unwrap();
+        let header = HeaderByte { direction: Direction::ToRobot, address: Address::Motion };
         self.line_brings(&frame::encode::<12, 18>(header, &content));
         let answers = self.hears();
         assert_eq!(answers.len(), 1, "one package, one answer");
@@ -294,8 +294,13 @@ impl Camera {
 
     #[track_caller]
     pub fn answer_to(&mut self, sequence: u8, request: Request) -> SynchronizationPackage {
-        let package = ActionPackage { session: SESSION, sequence, request };
-        for byte in package.encode(Address::Camera) {
+        self.sends_content(ActionPackage { session: SESSION, sequence, request }.content())
+    }
+
+    #[track_caller]
+    pub fn sends_content(&mut self, content: [u8; 12]) -> SynchronizationPackage {
+        let header = HeaderByte { direction: Direction::ToRobot, address: Address::Camera };
+        for byte in frame::encode::<12, 18>(header, &content) {
             self.controller.receive_interrupt(byte);
         }
         self.controller.main_routine();

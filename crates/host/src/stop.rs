@@ -7,7 +7,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use rsapien_protocol::{Address, Mode, Report, Session, SessionConfig, SessionEvent};
+use rsapien_protocol::{Address, Kind, Mode, Report, Session, SessionConfig, SessionEvent};
 
 use crate::link::{Link, RealClock};
 use crate::lock::LineLock;
@@ -95,7 +95,7 @@ impl fmt::Display for StopReport {
 /// answered or are held are told.
 ///
 /// # Errors
-/// The link cannot be opened, or broke; for `auto`, [`Error::NoRobot`] when no port is held and
+/// The link cannot be opened; [`Error::OutcomeUnknown`] when it broke; for `auto`, [`Error::NoRobot`] when no port is held and
 /// none answered. [`Error::NotOnThisLink`] for the virtual robot, which lives in its own program.
 pub fn emergency_stop(
     address: &LinkAddress,
@@ -149,7 +149,15 @@ fn stop_on(
 ) -> Result<StopReport, Error> {
     // One try at a time: the pauses between them are made here.
     let mut session = Session::new(SessionConfig { baud, tries: 1, ..SessionConfig::default() });
-    let motion = stop_controller(&mut session, link, Address::Motion)?;
+    let motion =
+        stop_controller(&mut session, link, Address::Motion).map_err(|error| match error {
+            // Nobody opens this link again, and whether STOP arrived before it broke cannot be seen.
+            Error::LinkLost { why, .. } => {
+                let why = format!("the link {name} broke ({why})");
+                Error::OutcomeUnknown { address: Address::Motion, kind: Kind::Stop, why }
+            }
+            other => other,
+        })?;
     // The motors are what matters; a camera on a link that breaks now changes nothing about them.
     let camera = stop_controller(&mut session, link, Address::Camera)
         .unwrap_or(StopSeen::NoAnswer { tries: 0 });

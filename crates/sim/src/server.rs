@@ -25,6 +25,7 @@ mod tests;
 pub use address::socket_address;
 pub use error::SimulatorError;
 
+use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -202,6 +203,16 @@ impl Simulator {
             let _ = thread.join();
         }
     }
+}
+
+/// Whether the folder is there in which a link or a socket is to be made at `path`.
+pub(crate) fn check_folder(path: &Path) -> Result<(), SimulatorError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_none_or(Path::is_dir) {
+        return Ok(());
+    }
+    let source = io::Error::new(io::ErrorKind::NotFound, "there is no such folder");
+    Err(SimulatorError::Path { path: path.to_owned(), source })
 }
 
 /// Bytes of clients that may wait for their turn on the line; readers hold back until there is room.

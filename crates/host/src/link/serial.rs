@@ -76,7 +76,13 @@ fn into_io(path: &str, error: serialport::Error) -> io::Error {
         serialport::ErrorKind::NoDevice | serialport::ErrorKind::Unknown => io::ErrorKind::Other,
         serialport::ErrorKind::InvalidInput => io::ErrorKind::InvalidInput,
     };
-    io::Error::new(kind, error.description)
+    // What systems say of a file that takes no line speed; they differ, and none helps.
+    let is_no_terminal = ["Not a typewriter", "Inappropriate ioctl", "Not a tty"]
+        .iter()
+        .any(|words| error.description.contains(words));
+    let description =
+        if is_no_terminal { "it is not a serial port".to_owned() } else { error.description };
+    io::Error::new(kind, description)
 }
 
 struct SerialLink {

@@ -1,7 +1,7 @@
 //! A line behind a TCP server: a virtual robot, or a serial port that a server passes on.
 
 use std::io::{ErrorKind, Read, Write};
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{IpAddr, TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
 use crate::Error;
@@ -30,7 +30,7 @@ impl Connect for TcpConnector {
     }
 
     fn lock_key(&self) -> Option<String> {
-        Some(self.name())
+        Some(lock_key(&self.target))
     }
 
     fn connect(&mut self, clock: RealClock) -> Result<Box<dyn Link>, Error> {
@@ -49,6 +49,15 @@ impl Connect for TcpConnector {
         }
         Err(opening(last))
     }
+}
+
+/// What stands for the line behind `target` in the locks: this machine is the same by all its names.
+fn lock_key(target: &str) -> String {
+    let (host, port) = target.rsplit_once(':').unwrap_or((target, ""));
+    let host = host.trim_matches(['[', ']']).to_ascii_lowercase();
+    let is_loopback =
+        host == "localhost" || host.parse::<IpAddr>().is_ok_and(|address| address.is_loopback());
+    if is_loopback { format!("tcp://localhost:{port}") } else { format!("tcp://{host}:{port}") }
 }
 
 struct TcpLink {
@@ -98,4 +107,19 @@ impl Link for TcpLink {
 /// Whether a read ended because its time was up, as against an error.
 pub(crate) fn is_no_bytes_yet(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_of_this_machine_is_the_same_line() {
+        for target in ["localhost:7000", "LocalHost:7000", "127.0.0.1:7000", "[::1]:7000"] {
+            assert_eq!(lock_key(target), "tcp://localhost:7000", "{target}");
+        }
+        for target in ["localhost:7001", "robot:7000", "10.0.0.1:7000"] {
+            assert_eq!(lock_key(target), format!("tcp://{target}"));
+        }
+    }
 }

@@ -10,7 +10,10 @@ use std::time::{Duration, Instant};
 
 use rsapien::link::virtual_robot::{Pace, SharedVirtualRobot};
 use rsapien::protocol::Mode;
-use rsapien::{Error, Holder, LineLock, LinkAddress, LinkState, Robot, RobotOptions};
+use rsapien::{
+    Error, Holder, LineLock, LinkAddress, LinkState, Robot, RobotOptions, StopOptions,
+    emergency_stop,
+};
 
 use crate::common::{lock, virtual_robot};
 
@@ -105,6 +108,17 @@ fn a_target_where_nobody_listens_is_told_so() {
     let error = Robot::open(&address, RobotOptions::new("test")).unwrap_err();
     assert!(matches!(error, Error::LinkOpen { .. }), "{error}");
     assert!(error.to_string().contains(&address.to_string()));
+}
+
+#[test]
+fn a_stop_on_a_link_that_breaks_is_told_as_unknown() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = LinkAddress::Tcp(listener.local_addr().unwrap().to_string());
+    let closer = std::thread::spawn(move || drop(listener.accept().unwrap()));
+    let error = emergency_stop(&address, &StopOptions::default()).unwrap_err();
+    closer.join().unwrap();
+    assert!(matches!(error, Error::OutcomeUnknown { .. }), "{error}");
+    assert!(error.to_string().contains(&address.to_string()), "{error}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Vector3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::scene::{Paint, Scene};
 use super::shape::{CUP_FLOOR_SHARE, Shape};
@@ -15,7 +15,7 @@ use crate::world::World;
 const CONTOUR_SAMPLES: u32 = 180;
 
 /// Which contour of an object an ellipse is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ContourKind {
     /// Outline of a ball.
@@ -35,7 +35,7 @@ pub enum ContourKind {
 }
 
 /// An ellipse in the picture.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VisibleEllipse {
     /// Name of the object.
     pub object: String,

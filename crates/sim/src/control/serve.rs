@@ -15,7 +15,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::{ControlRequest, Subject};
-use crate::server::{SimulatorError, wait_readable};
+use crate::server::{SimulatorError, check_folder, wait_readable};
 use crate::shared::SharedRobot;
 
 /// The longest line of a request, in bytes.
@@ -33,6 +33,7 @@ pub(crate) fn serve_unix(
     robot: SharedRobot,
     stop: Arc<AtomicBool>,
 ) -> Result<JoinHandle<()>, SimulatorError> {
+    check_folder(&path)?;
     if let Ok(found) = fs::symlink_metadata(&path) {
         if !found.file_type().is_socket() {
             return Err(SimulatorError::Taken { path, expected: "a control socket" });
@@ -45,7 +46,15 @@ pub(crate) fn serve_unix(
     }
     let bound = UnixListener::bind(&path)
         .and_then(|listener| listener.set_nonblocking(true).map(|()| listener));
-    let listener = bound.map_err(|source| SimulatorError::Path { path: path.clone(), source })?;
+    let listener = bound.map_err(|source| {
+        // The system's limit is about a hundred bytes, and it tells so in its own terms.
+        let source = if source.kind() == ErrorKind::InvalidInput {
+            io::Error::new(ErrorKind::InvalidInput, "the path is too long for a socket")
+        } else {
+            source
+        };
+        SimulatorError::Path { path: path.clone(), source }
+    })?;
     Ok(thread::spawn(move || {
         serve(&robot, &stop, || {
             if !wait_readable(&listener)? {

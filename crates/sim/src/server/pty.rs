@@ -17,7 +17,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, ioctl_tiocnxcl, tcgetattr, tcsetattr};
 
 use super::hub::Hub;
-use super::{SimulatorError, put_on_line, wait_readable};
+use super::{SimulatorError, check_folder, put_on_line, wait_readable};
 use crate::shared::SharedRobot;
 
 /// An open pseudo-terminal with its link.
@@ -104,11 +104,7 @@ fn make_raw(slave: &File) -> rustix::io::Result<()> {
 
 /// Whether a link may be made at `link`: nothing is there, or a link left behind by a simulator.
 pub(super) fn check_place(link: &Path) -> Result<(), SimulatorError> {
-    let folder = link.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if folder.is_some_and(|folder| !folder.is_dir()) {
-        let source = io::Error::from(ErrorKind::NotFound);
-        return Err(SimulatorError::Path { path: link.to_owned(), source });
-    }
+    check_folder(link)?;
     let Ok(found) = fs::symlink_metadata(link) else { return Ok(()) };
     let points_to = fs::read_link(link).unwrap_or_default();
     if found.is_symlink() && (points_to.starts_with("/dev/pts") || !link.exists()) {

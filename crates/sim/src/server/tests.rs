@@ -92,7 +92,17 @@ fn links_left_behind_are_replaced_and_nothing_else_is() {
     let refused = Simulator::start(on_terminal(folder.path())).expect_err("somebody's link");
     assert!(matches!(refused, SimulatorError::Taken { .. }), "{refused}");
     let missing = SimulatorConfig { pty: Some("/nowhere/at/all".into()), ..config() };
-    assert!(matches!(Simulator::start(missing), Err(SimulatorError::Path { .. })));
+    let refused = Simulator::start(missing).expect_err("no folder");
+    assert!(matches!(refused, SimulatorError::Path { .. }), "{refused}");
+    assert!(refused.to_string().contains("no such folder"), "{refused}");
+    for (control, reason) in
+        [("/nowhere/at/all".to_owned(), "no such folder"), ("x".repeat(200), "too long")]
+    {
+        let control = folder.path().join(control);
+        let refused = Simulator::start(SimulatorConfig { control: Some(control), ..config() });
+        let refused = refused.expect_err("no place for a socket").to_string();
+        assert!(refused.contains(reason), "{refused}");
+    }
     assert!(matches!(Simulator::start(config()), Err(SimulatorError::NoEndpoint)));
 }
 

@@ -1,4 +1,4 @@
-//! The virtual robot: controllers, body, world and camera.
+#![doc = include_str!("../README.md")]
 //!
 //! Coordinates, units and picture conventions are told once, in [`world`] and [`camera`].
 

@@ -1,5 +1,19 @@
 //! What both controllers have in common: reception, analysis, transmission, dead-man, watchdog
 //! and the numbers every report carries.
+//!
+//! One pass of the main routine, which both controllers make of these parts:
+//!
+//! ```text
+//!   watchdog cleared
+//!         ▼
+//!   package complete? ── yes ─► analysed ── in its turn ─► executed ─► an answer is owed
+//!         │ no                     └── refused, duplicate ──────────►     │
+//!         ▼                                                               │
+//!   answer owed, transmitter idle? ◄──────────────────────────────────────┘
+//!         │ no       └── yes ─► response initiated, with the report of this moment
+//!         ▼                        │
+//!   bumpers tested (motion) ◄──────┘
+//! ```
 
 use rsapien_protocol::{
     ActionView, Address, Content, CountersReport, HelloReport, Kind, PROTOCOL_VERSION, Report,

@@ -1,5 +1,14 @@
 //! The queue of steps: a ring that the main routine fills and the timer routine empties.
 //!
+//! ```text
+//!              append                     ┌─────┐ append, take
+//!   Empty ─────────────────────► Waiting ─┘ ◄───┘
+//!     ▲                           │   │ ▲
+//!     └── take the last, clear ───┘   │ └── take ─── Full ── append: refused, nothing changes
+//!     ▲                               └── 32nd ───► │
+//!     └── clear ────────────────────────────────────┘
+//! ```
+//!
 //! The running step has left the queue, so 32 steps may wait behind it. In C the main routine
 //! masks the timer interrupt while it appends or clears.
 

@@ -19,7 +19,10 @@ pub const BYTE_UNITS: u64 = 10_000;
 /// The speeds a line may have, in bit/s.
 pub const BAUD: std::ops::RangeInclusive<u32> = 1200..=1_000_000;
 
-/// How often each kind of damage happens, in parts per million. All zero: a perfect line.
+/// The whole, in parts per million.
+const MILLION: u32 = 1_000_000;
+
+/// How often each kind of damage happens, in parts per million, 0 to 1000000. All zero: a perfect line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LineFaults {
@@ -44,6 +47,14 @@ impl LineFaults {
         noise_ppm: 0,
         framing_ppm: 0,
     };
+
+    /// Whether every value is a share of a million.
+    pub fn is_in_range(&self) -> bool {
+        let Self { bit_error_ppm, lost_ppm, duplicated_ppm, noise_ppm, framing_ppm } = *self;
+        [bit_error_ppm, lost_ppm, duplicated_ppm, noise_ppm, framing_ppm]
+            .into_iter()
+            .all(|parts| parts <= MILLION)
+    }
 }
 
 /// What a receiver hears.
@@ -66,7 +77,7 @@ impl Damage {
     }
 
     fn happens(&mut self, ppm: u32) -> bool {
-        ppm > 0 && self.random.random_range(0..1_000_000) < ppm
+        ppm > 0 && self.random.random_range(0..MILLION) < ppm
     }
 
     /// What is heard of one byte: noise before it, itself, and itself again.

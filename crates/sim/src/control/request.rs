@@ -196,6 +196,9 @@ impl ControlRequest {
             {
                 format!("{millivolts} mV is too much, allowed are 0 to {HIGHEST_MV}")
             }
+            Self::Line { faults, .. } if !faults.is_in_range() => {
+                format!("\"faults\" is {faults:?}, allowed are 0 to 1000000 ppm each")
+            }
             Self::Advance { advance_ms } if *advance_ms > ADVANCE_MS_MAX => {
                 format!("\"advance_ms\" is {advance_ms}, allowed are 0 to {ADVANCE_MS_MAX}")
             }

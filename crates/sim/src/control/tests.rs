@@ -83,6 +83,7 @@ fn errors_name_what_is_wrong_and_what_is_allowed() {
         (r#"{"put":{"x_m":1e9,"y_m":0}}"#, "1000"),
         (r#"{"advance_ms":999999999}"#, "3600000"),
         (r#"{"line":"both","faults":{"eaten":1}}"#, "lost_ppm"),
+        (r#"{"line":"both","faults":{"lost_ppm":1000001}}"#, "0 to 1000000"),
         (r#"{"get":"lost"}"#, "`state`, `picture`, `truth`"),
         ("{}", "press, bumper, switch"),
         ("[]", "JSON object"),

@@ -72,7 +72,10 @@ pub enum Problem {
         count: usize,
     },
     /// A text names no motion primitive.
-    #[error("{text:?} is no motion primitive{}", did_you_mean(suggestion.as_deref()))]
+    #[error(
+        "{text:?} is no motion primitive{}",
+        suggestion.as_deref().map_or(PRIMITIVE_FORM.to_owned(), |name| did_you_mean(Some(name)))
+    )]
     UnknownPrimitive {
         /// The text.
         text: String,
@@ -227,6 +230,10 @@ impl fmt::Display for Findings {
 }
 
 impl std::error::Error for Findings {}
+
+/// How a primitive is written, for a text that comes near to none.
+const PRIMITIVE_FORM: &str = ": write a joint and a position, such as right-arm-up, or a number from \
+                              1 to 21; an action is put in with play";
 
 pub(crate) fn did_you_mean(suggestion: Option<&str>) -> String {
     suggestion.map(|name| format!("; did you mean {name:?}?")).unwrap_or_default()

@@ -94,7 +94,11 @@ fn every_mistake_in_a_step_is_told() {
             "{ do = \"tilt-lefd\", ms = 5 }",
             "\"tilt-lefd\" is no motion primitive; did you mean \"tilt-left\"?",
         ),
-        ("{ do = 22, ms = 5 }", "\"22\" is no motion primitive"),
+        (
+            "{ do = 22, ms = 5 }",
+            "\"22\" is no motion primitive: write a joint and a position, such as right-arm-up, or a \
+             number from 1 to 21; an action is put in with play",
+        ),
         (
             "{ do = [], ms = 5 }",
             "a step has exactly one of do, pause and play, this one has an empty do",

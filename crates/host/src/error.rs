@@ -115,7 +115,9 @@ pub enum Error {
         by: Holder,
     },
     /// The lock between programs cannot be taken, for a reason other than another holder.
-    #[error("cannot lock {path}: {source}")]
+    #[error(
+        "cannot lock {path}: {source}; such files keep two programs off one robot, so make their folder one that you may write to"
+    )]
     Lock {
         /// The lock file.
         path: String,

@@ -4,6 +4,8 @@
 //! this crate: serial ports, TCP, and the virtual robot in process. A program may bring its own by
 //! implementing [`Link`] and [`Connect`].
 
+#[cfg(all(feature = "serial", unix))]
+pub(crate) mod beside;
 #[cfg(feature = "serial")]
 pub mod serial;
 pub mod tcp;

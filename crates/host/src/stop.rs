@@ -1,8 +1,9 @@
 //! Stopping a robot from outside: from a program that does not hold its line.
 //!
 //! This opens no database, no camera and no configuration, and takes no lock. The link is opened
-//! beside whoever has it open, STOP is sent, and what was seen is told. Where another program reads
-//! the same serial line, it may take the answer away; STOP has its effect all the same.
+//! beside whoever has it open, STOP is sent, and what was seen is told. Where another program holds
+//! a serial line, STOP is sent several times and nothing is read: the answers are that program's,
+//! which would otherwise take the line for dead. On TCP everybody hears every answer.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -50,6 +51,22 @@ pub enum StopSeen {
         /// How often STOP was sent.
         tries: u8,
     },
+    /// Nobody listened: the answers belong to another program, which holds the line.
+    NotHeard {
+        /// How often STOP was sent.
+        tries: u8,
+    },
+}
+
+#[cfg(all(feature = "serial", unix))]
+impl StopSeen {
+    /// The same, where nobody listened.
+    const fn not_heard(self) -> StopSeen {
+        match self {
+            StopSeen::NoAnswer { tries } => StopSeen::NotHeard { tries },
+            seen => seen,
+        }
+    }
 }
 
 /// What came of stopping the robot behind one link.
@@ -79,11 +96,11 @@ impl fmt::Display for StopReport {
             (StopSeen::Answered { mode, .. }, _) => {
                 write!(formatter, "{link}: the robot answered, it is {}", mode.name())
             }
-            (StopSeen::NoAnswer { tries }, Some(holder)) => write!(
+            (StopSeen::NotHeard { tries }, Some(holder)) => write!(
                 formatter,
-                "{link}: STOP was sent {tries} times; the answers went to {holder}, who holds the line"
+                "{link}: STOP was sent {tries} times; {holder}, holds the line and hears the answer"
             ),
-            (StopSeen::NoAnswer { tries }, None) => {
+            (StopSeen::NoAnswer { tries } | StopSeen::NotHeard { tries }, _) => {
                 write!(formatter, "{link}: STOP was sent {tries} times, no answer came")
             }
         }
@@ -120,7 +137,11 @@ fn stop_all(options: &StopOptions) -> Result<Vec<StopReport>, Error> {
             .collect();
         threads.into_iter().filter_map(|thread| thread.join().ok()).collect()
     });
-    let tried = format!("STOP was sent to {} serial ports", addresses.len());
+    let tried = match addresses.len() {
+        0 => "this computer has no serial port".to_owned(),
+        1 => "STOP was sent to the one serial port".to_owned(),
+        count => format!("STOP was sent to {count} serial ports"),
+    };
     let reports: Vec<StopReport> = reports
         .into_iter()
         .flatten()
@@ -136,7 +157,17 @@ fn stop_one(address: &LinkAddress, options: &StopOptions) -> Result<StopReport, 
         (Some(folder), Some(key)) => LineLock::holder(folder, &key),
         _ => None,
     };
-    // What waits there belongs to the line's holder, so it is not thrown away.
+    #[cfg(all(feature = "serial", unix))]
+    if let (LinkAddress::Serial(path), Some(_)) = (address, &holder) {
+        let mut link = crate::link::beside::BesideLink::open(path, RealClock::start())?;
+        let report = stop_on(&mut link, name, options.baud, holder)?;
+        return Ok(StopReport {
+            motion: report.motion.not_heard(),
+            camera: report.camera.not_heard(),
+            ..report
+        });
+    }
+    // What waits there belongs to whoever else listens, so it is not thrown away.
     let mut link = connector.connect(RealClock::start())?;
     stop_on(link.as_mut(), name, options.baud, holder)
 }

@@ -124,7 +124,7 @@ fn what_is_wrong_is_told_with_its_place_and_nothing_is_stored() {
 #[test]
 fn import_replaces_only_when_told_and_the_environment_names_a_registry() {
     let user = User::new();
-    let wave = actions(&user, 0, &["export", "wave"]).stdout.replace("550", "500");
+    let wave = actions(&user, 0, &["export", "wave"]).stdout.replace("Waves", "Now waves");
     std::fs::write(user.path("wave.toml"), wave).unwrap();
     actions(&user, 2, &["import", "wave.toml"]).told(&["exist already", "--replace"]);
     let report = actions(&user, 0, &["import", "--replace", "wave.toml", "--json"]).json();

@@ -48,6 +48,12 @@ fn usage_errors_end_with_status_2_and_say_what_is_expected() {
     user.expect(2, &["look", "--pan", "91", "--tilt", "0"]).told(&["-90 to 90 degrees"]);
     user.expect(2, &["look", "--pan", "NaN", "--tilt", "0"]).told(&["-90 to 90 degrees"]);
     user.expect(2, &["state", "--period", "5", "--watch"]).told(&["20..=60000"]);
+    user.expect(2, &["state", "--baud", "1"]).told(&["57600"]);
+    user.expect(2, &["play", "wave", "--speed", "-1"]).told(&["0.1 to 10"]);
+    user.expect(2, &["detect", "a.png", "--pan", "5"]).told(&["--camera"]);
+    std::fs::write(user.path("same.png"), "no picture").unwrap();
+    user.expect(2, &["detect", "same.png", "--annotate", "same.png"]).told(&["picture itself"]);
+    assert_eq!(std::fs::read(user.path("same.png")).unwrap(), b"no picture");
     user.expect(2, &["--link", "nonsense", "state"]).told(&["nonsense", "tcp://HOST:PORT"]);
     user.expect(2, &["init", "--fast", "--link", "/dev/null"]).told(&["--fast", "--link virtual"]);
     user.expect(2, &["sim"]).told(&["--pty LINK"]);

@@ -22,7 +22,8 @@ pub(crate) struct GlobalOptions {
         global = true,
         value_name = "BAUD",
         default_value_t = 57_600,
-        hide_default_value = true
+        hide_default_value = true,
+        value_parser = baud
     )]
     pub(crate) baud: u32,
 
@@ -33,6 +34,14 @@ pub(crate) struct GlobalOptions {
     /// Tell on the standard error what happens on the way; -vv tells every package
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub(crate) verbose: u8,
+}
+
+/// A speed that the robot's firmware can be built for.
+fn baud(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(baud @ (19_200 | 38_400 | 57_600 | 115_200)) => Ok(baud),
+        _ => Err("expected 19200, 38400, 57600 or 115200".to_owned()),
+    }
 }
 
 /// What a command is given.
@@ -57,7 +66,8 @@ impl Context {
             (true, false) => Screen::Color,
         };
         Self {
-            link: options.link,
+            // A variable that is set to nothing is not set.
+            link: options.link.filter(|link| !link.is_empty()),
             baud: options.baud,
             style: Style {
                 json: options.json,

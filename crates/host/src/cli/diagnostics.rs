@@ -70,6 +70,9 @@ impl Failure {
             io::ErrorKind::NotFound if action == "read" => {
                 failure.hint("check the name; it is looked for from the current folder")
             }
+            io::ErrorKind::NotFound if action == "write" => {
+                failure.hint("its folder is not there: make it first, or choose another")
+            }
             io::ErrorKind::PermissionDenied => failure.hint("check who may use it with ls -l"),
             _ => failure,
         }
@@ -172,7 +175,16 @@ pub(crate) fn picture(path: &Path, error: &PictureError) -> Failure {
         PictureError::UnknownFormat => {
             Failure::new(format!("{}: {error}", path.display())).hint("convert it to png first")
         }
-        _ => Failure::new(format!("{}: {error}", path.display())),
+        _ => {
+            let failure = Failure::new(format!("{}: {error}", path.display()));
+            match error {
+                // Formats that the decoder knows by name only.
+                PictureError::Broken { .. } if error.to_string().contains("not supported") => {
+                    failure.hint("convert it to png first")
+                }
+                _ => failure,
+            }
+        }
     }
 }
 

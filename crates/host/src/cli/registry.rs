@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{OsStringValueParser, TypedValueParser};
 use rsapien_registry::{Registry, RegistryError};
 
 use super::diagnostics::{Failure, Result};
@@ -13,14 +14,15 @@ use crate::data;
 #[derive(Debug, Clone, Args)]
 pub(crate) struct RegistryOptions {
     /// File of the actions; without it the one in this user's data folder, which is made when first needed
-    #[arg(long, value_name = "PATH", env = "RSAPIEN_REGISTRY", hide_env_values = true)]
+    #[arg(long, value_name = "PATH", env = "RSAPIEN_REGISTRY", hide_env_values = true, value_parser = OsStringValueParser::new().map(PathBuf::from))]
     pub(crate) registry: Option<PathBuf>,
 }
 
 impl RegistryOptions {
     /// Opens the registry; a new one knows the seed library.
     pub(crate) fn open(&self) -> Result<Registry> {
-        if let Some(path) = &self.registry {
+        // A variable that is set to nothing is not set.
+        if let Some(path) = self.registry.as_ref().filter(|path| !path.as_os_str().is_empty()) {
             return Ok(Registry::open(path)?);
         }
         let path = data::registry_file().ok_or_else(|| {

@@ -59,7 +59,7 @@ pub(crate) fn lock_key(path: &str) -> String {
 }
 
 /// The error of opening `path`, told apart by what the system says.
-fn opening(path: &str, source: io::Error) -> Error {
+pub(crate) fn opening(path: &str, source: io::Error) -> Error {
     let link = path.to_owned();
     match source.kind() {
         io::ErrorKind::NotFound => Error::LinkNotFound { link },

@@ -86,6 +86,12 @@ pub(crate) struct Cmd {
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
         let detector = self.tuning.detector()?;
+        if self.camera.is_none() && (self.head.pan.is_some() || self.head.tilt.is_some()) {
+            return Err(Failure::new(
+                "--pan and --tilt turn the head of a camera, and these are files",
+            )
+            .hint("take a picture with --camera SOURCE, as in --camera virtual"));
+        }
         let images = match self.camera {
             Some(_) => vec![PathBuf::from("camera")],
             None => self.images.clone(),

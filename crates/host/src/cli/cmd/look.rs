@@ -40,11 +40,17 @@ impl Cmd {
         let head = open.ready_camera(context, out)?;
         let report = open.done(head.look(self.pan, self.tilt, self.speed.unwrap_or(0)))?;
         let text = format!(
-            "the head looks {:.1} degrees right and {:.1} degrees up",
-            f64::from(report.pan_centideg) / 100.0,
-            f64::from(report.tilt_centideg) / 100.0
+            "the head looks {} and {}",
+            direction(report.pan_centideg, "left", "right"),
+            direction(report.tilt_centideg, "down", "up")
         );
         context.style.answer(out, &view::camera(&report), text)?;
         Ok(Status::Done)
     }
+}
+
+/// `20.0 degrees down` of hundredths of a degree.
+fn direction(centideg: i16, negative: &str, positive: &str) -> String {
+    let word = if centideg < 0 { negative } else { positive };
+    format!("{:.1} degrees {word}", f64::from(centideg).abs() / 100.0)
 }

@@ -34,7 +34,7 @@ pub(crate) struct Cmd {
     times: u16,
 
     /// How fast, 0.1 to 10: durations are divided by it. Motors run no faster, so that joints may not arrive
-    #[arg(long, value_name = "X", default_value_t = 1.0)]
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     speed: f64,
 
     #[command(flatten)]

@@ -53,7 +53,8 @@ pub(crate) struct Cmd {
     #[arg(long, value_name = "NAME|FILE", default_value = "demo", help = world::HELP)]
     world: String,
 
-    /// Let virtual time pass as fast as it goes while the robot is spoken to; real time otherwise
+    /// Let the time of the line and 200 virtual ms after each answer pass at once; what is beyond takes real time.
+    /// A program that looks at the robot often sees it move hundreds of times faster
     #[arg(long)]
     fast: bool,
 }

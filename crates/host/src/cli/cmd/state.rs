@@ -65,8 +65,9 @@ impl Cmd {
             if !self.watch {
                 return Ok(Status::Done);
             }
+            // Ctrl-C is the only end that watching has, and no failure.
             if open.interrupt.wait(Duration::from_millis(self.period)).is_err() {
-                return Ok(Status::Interrupted);
+                return Ok(Status::Done);
             }
         }
     }

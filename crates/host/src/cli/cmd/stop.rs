@@ -8,12 +8,12 @@ use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
 use crate::cli::robot;
-use crate::{StopOptions, StopReport, data, emergency_stop};
+use crate::{Error, StopOptions, StopReport, data, emergency_stop};
 
 /// Turn every motor off and empty the queue, whoever is using the robot
 ///
 /// Needs nothing but the line: no database, no camera, no configuration. It takes no lock: STOP is sent beside the program
-/// that holds the line, which may take the answer away, but not the effect. With --link auto STOP goes to every serial port that may have a robot.
+/// that holds the line, and the answer is left to it. With --link auto STOP goes to every serial port that may have a robot.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -27,7 +27,11 @@ impl Cmd {
         let address = robot::address(context)?;
         // Only to tell who holds the line; a missing folder is no obstacle.
         let options = StopOptions { baud: context.baud, lock_folder: data::lock_folder() };
-        let reports = emergency_stop(&address, &options)?;
+        let reports = emergency_stop(&address, &options).map_err(|error| match error {
+            Error::NoRobot { tried } => Failure::refused(format!("no robot answered: {tried}"))
+                .hint("name its port: rsapien stop --link /dev/ttyUSB0; its switch stops it, too"),
+            error => error.into(),
+        })?;
         let is_sent_to_robot =
             |report: &StopReport| report.is_confirmed() || report.holder.is_some();
         let lines: Vec<_> = reports.iter().map(ToString::to_string).collect();

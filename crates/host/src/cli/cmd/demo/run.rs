@@ -25,7 +25,6 @@ use crate::{CameraController, LinkAddress, RobotOptions};
 /// The action that the demo walks by.
 const WALK: &str = "walk-forward";
 
-
 /// What the user asked for.
 pub(super) struct Settings {
     pub(super) link: LinkAddress,
@@ -79,6 +78,7 @@ pub(super) fn run(
             let options = CompileOptions { times, ..CompileOptions::default() };
             let steps = Registry::open_in_memory()?.compile(WALK, options)?.steps;
             let played = performance::run(context, &open, &mut motion, &steps)?;
+            open.interrupt.check()?;
             // A bumper that ended the walk holds the robot; what follows moves the head alone.
             open.done(motion.stop())?;
             let after = camera.truth()?.map(|truth| truth.pose);

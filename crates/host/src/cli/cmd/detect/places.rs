@@ -41,6 +41,15 @@ impl Places {
             Some(Annotated::Pattern(pattern)) => Path::new(pattern).parent(),
             None => None,
         };
+        if let Some(Annotated::File(file)) = &annotated {
+            let whole = |path: &Path| fs::canonicalize(path).ok();
+            if let (Some(out), [image]) = (whole(file), images)
+                && whole(image) == Some(out)
+            {
+                return Err(Failure::new(format!("{} is the picture itself", file.display()))
+                    .hint("give --annotate another name, such as found.png"));
+            }
+        }
         for folder in folder.into_iter().chain(stages) {
             fs::create_dir_all(folder).map_err(|error| Failure::file("make", folder, &error))?;
         }

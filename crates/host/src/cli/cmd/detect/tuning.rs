@@ -22,22 +22,22 @@ pub(crate) struct Tuning {
     #[arg(long, value_name = "MIN..MAX", help = preset("Range of the semi-minor axis in pixels, at most the semi-major one", |options| range(options.hough.semi_minor_min_px, options.hough.semi_minor_max_px)))]
     semi_minor: Option<AxisRange>,
 
-    #[arg(long, value_name = "POINTS", help = preset("Least number of edge points on a contour: the paper's \"ellipse quality\"", |options| options.filter.quality_min.to_string()))]
+    #[arg(long, value_name = "POINTS", allow_negative_numbers = true, help = preset("Least number of edge points on a contour: the paper's \"ellipse quality\"", |options| options.filter.quality_min.to_string()))]
     quality: Option<u32>,
 
-    #[arg(long, value_name = "C", help = preset("Pairs of points tried for every edge point: the paper's C", |options| options.hough.pairs_per_edge_point.to_string()))]
+    #[arg(long, value_name = "C", allow_negative_numbers = true, help = preset("Pairs of points tried for every edge point: the paper's C", |options| options.hough.pairs_per_edge_point.to_string()))]
     pairs: Option<u32>,
 
-    #[arg(long, value_name = "PIXELS", help = preset("Width of an accumulator bin in pixels: the paper's quantisation", |options| options.hough.bin_width_px.to_string()))]
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, help = preset("Width of an accumulator bin in pixels: the paper's quantisation", |options| options.hough.bin_width_px.to_string()))]
     bin: Option<f32>,
 
-    #[arg(long, value_name = "RATIO", help = preset("Least ratio of the points on the two sides of the major axis, 0 to 1", |options| options.filter.side_proportion_min.to_string()))]
+    #[arg(long, value_name = "RATIO", allow_negative_numbers = true, help = preset("Least ratio of the points on the two sides of the major axis, 0 to 1", |options| options.filter.side_proportion_min.to_string()))]
     proportion: Option<f64>,
 
-    #[arg(long, value_name = "D_T", help = preset("Greatest distance within a cluster: the paper's D_T", |options| options.cluster.distance_max.to_string()))]
+    #[arg(long, value_name = "D_T", allow_negative_numbers = true, help = preset("Greatest distance within a cluster: the paper's D_T", |options| options.cluster.distance_max.to_string()))]
     distance: Option<f64>,
 
-    #[arg(long, value_name = "N", help = preset("Least number of virtual ellipses in a cluster", |options| options.cluster.members_min.to_string()))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help = preset("Least number of virtual ellipses in a cluster", |options| options.cluster.members_min.to_string()))]
     members: Option<u32>,
 
     /// Noise reduction before the gradient

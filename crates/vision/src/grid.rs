@@ -87,7 +87,9 @@ impl PointGrid {
             let reach = (radius2 - nearest * nearest).max(0.0).sqrt();
             let left = ((center_x - reach) as i32).max(0);
             let behind = (((center_x + reach) as i32) + 1).min(tiles_x).max(left);
-            let (one, other) = (center_x - top * slope, center_x - bottom * slope);
+            // The margin matters up and down too: of a row on the border of an upright axis, every point lies on it.
+            let (one, other) =
+                (center_x - (top - margin) * slope, center_x - (bottom + margin) * slope);
             // Tiles before `back_end` hold all that lies behind the minor axis, those from `front_start` on all before it.
             let back_end =
                 ((one.max(other) + margin) as i32).saturating_add(1).max(left).min(behind);
@@ -166,7 +168,8 @@ mod tests {
         ) {
             let points: Vec<_> = coordinates.iter().map(|&(x, y)| EdgePoint { x, y }).collect();
             let grid = PointGrid::new(&points);
-            let half_y = if half_x == 0 { half_y.abs() } else { half_y };
+            // A pair is at least twice the least semi-major axis apart, and its axis points to the right or down.
+            let half_y = if half_x == 0 { half_y.abs().max(1) } else { half_y };
             let half = |value: f32| value / 2.0;
             let axis = Axis {
                 center_x: half(x.into()), center_y: half(y.into()), half_x: half(half_x.into()), half_y: half(half_y.into()),

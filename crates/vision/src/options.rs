@@ -109,8 +109,8 @@ impl Options {
     /// | `pairs_per_edge_point` | 2 | "in our current implementation C = 2" |
     /// | `distance_max` | 20 | "we used `D_T` = 20" |
     /// | `threshold` | maximum variance | "we use the Maximum Variance Threshold" |
-    /// | semi-axes | 30 to 90, 15 to 90 px | the paper gives no range; Table 2 lists 44 to 64 and 22 to 43 |
-    /// | `bin_width_px`, `quality_min` | 4, 380 | measured; Table 3 lists 200 to 300 for bins of unknown width |
+    /// | semi-axes | 36 to 75, 15 to 75 px | the paper gives no range; Table 2 lists 44 to 64 and 22 to 43 |
+    /// | `bin_width_px`, `quality_min` | 4, 390 | measured; Table 3 lists 200 to 300 for bins of unknown width |
     /// | `side_proportion_min` | 0.5 | measured; the paper says "proportional" |
     /// | `noise` | Gaussian | measured; the paper names no filter |
     /// | `angle` | contour shift | measured; the paper names no unit of α beside pixels |
@@ -125,13 +125,13 @@ impl Options {
             edge_share_max: 0.2,
             hough: HoughOptions {
                 pairs_per_edge_point: 2,
-                semi_major_min_px: 30.0,
-                semi_major_max_px: 90.0,
+                semi_major_min_px: 36.0,
+                semi_major_max_px: 75.0,
                 semi_minor_min_px: 15.0,
-                semi_minor_max_px: 90.0,
+                semi_minor_max_px: 75.0,
                 bin_width_px: 4.0,
             },
-            filter: FilterOptions { quality_min: 380, side_proportion_min: 0.5 },
+            filter: FilterOptions { quality_min: 390, side_proportion_min: 0.5 },
             cluster: ClusterOptions {
                 distance_max: 20.0,
                 members_min: 1,

@@ -82,7 +82,7 @@ impl Accumulator {
         }
     }
 
-    /// The greatest `b` that votes for an ellipse with semi-major axis `a_px`: the end of the bin that holds `a_px`, or of the
+    /// What `b` has to stay below in order to vote for an ellipse with semi-major axis `a_px`: the end of the bin that holds `a_px`, or of the
     /// last bin.
     fn limit_px(&self, a_px: f32) -> f32 {
         let bins = ((a_px - self.first_px) / self.width_px).floor() + 1.0;
@@ -233,8 +233,8 @@ impl Scale {
         let b_bins =
             (across * across * self.a2_bins / ((self.a2 - along) * (self.a2 + along))).sqrt();
         let place = b_bins + self.shift;
-        // A value that is not a number is not within the limit either.
-        let place = if b_bins <= self.limit_bins { place } else { 0.0 };
+        // The limit is the end of a bin and belongs to the next one. A value that is not a number is below nothing.
+        let place = if b_bins < self.limit_bins { place } else { 0.0 };
         let place = if place > 0.0 { place } else { 0.0 };
         let quadrant = ((across.to_bits() >> 31) << 1) | (along.to_bits() >> 31);
         ((place + TO_INTEGER).to_bits() & (QUADRANT_SLOTS_MAX as u32 - 1))

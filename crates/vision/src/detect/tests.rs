@@ -140,13 +140,13 @@ fn options_are_refused_by_name_value_and_range() {
     );
     assert_eq!(
         refused(|o| o.hough.semi_major_max_px = 20.0),
-        "option hough.semi_major_max_px is 20, allowed is 30 to 2000"
+        "option hough.semi_major_max_px is 20, allowed is 36 to 2000"
     );
     assert_eq!(
         refused(|o| o.filter.side_proportion_min = f64::NAN),
         "option filter.side_proportion_min is NaN, allowed is 0 to 1"
     );
-    assert!(refused(|o| o.hough.semi_minor_max_px = 90.5).contains("15 to 90"));
+    assert!(refused(|o| o.hough.semi_minor_max_px = 75.5).contains("15 to 75"));
     assert!(refused(|o| o.edge_share_max = -0.1).starts_with("option edge_share_max is -0.1"));
     let too_fine = |o: &mut Options| {
         o.hough = HoughOptions {

@@ -23,15 +23,15 @@ fn semi_minor_as_printed(v1: (f64, f64), v2: (f64, f64), third: (f64, f64)) -> O
     b.is_finite().then_some(b)
 }
 
-/// The bins by which `b` may be counted: two when it lies on a border within the declared tolerance.
-fn bins_of(b: f64, width_px: f64) -> Vec<usize> {
+/// The bins by which `b` may be counted, and whether it is sure which: it is not on a border within the declared
+/// tolerance.
+fn bins_of(b: f64, width_px: f64) -> (Vec<usize>, bool) {
     let place = |b: f64| ((b - FIRST_PX) / width_px).floor();
     let mut bins: Vec<_> = [b * (1.0 - 1e-5), b * (1.0 + 1e-5)].map(place).into_iter().collect();
     bins.dedup();
-    bins.into_iter()
-        .filter(|&bin| bin >= 0.0 && bin < BINS as f64)
-        .map(|bin| bin as usize)
-        .collect()
+    let is_sure = bins.len() == 1;
+    let there = |bin: &f64| *bin >= 0.0 && *bin < BINS as f64;
+    (bins.into_iter().filter(there).map(|bin| bin as usize).collect(), is_sure)
 }
 
 fn axis_of(v1: (u16, u16), v2: (u16, u16)) -> Axis {
@@ -60,14 +60,14 @@ proptest! {
         let float = |point: (u16, u16)| (f64::from(point.0), f64::from(point.1));
         for &point in &coordinates {
             let Some(b) = semi_minor_as_printed(float(v1), float(v2), float(point)) else { continue };
-            let bins = bins_of(b, width_px);
+            let (bins, is_sure) = bins_of(b, width_px);
             // `b <= a` in whole bins; `a` may lie on a border itself.
             let a = f64::from(axis.half_x.hypot(axis.half_y));
             let bin_of = |value: f64| ((value - FIRST_PX) / width_px).floor();
             let (last_sure, last) = (bin_of(a * (1.0 - 1e-5)), bin_of(a * (1.0 + 1e-5)));
             for &bin in &bins {
                 most[bin] += u32::from(bin as f64 <= last);
-                least[bin] += u32::from(bins.len() == 1 && bin as f64 <= last_sure && b > FIRST_PX * (1.0 + 1e-5));
+                least[bin] += u32::from(is_sure && bin as f64 <= last_sure);
             }
         }
         for bin in 0..BINS {

@@ -181,3 +181,25 @@ fn the_commands_of_the_readme_are_tried() {
         assert!(run.lines().any(|line| line.trim() == command), ".ci/run does: {command}");
     }
 }
+
+#[test]
+fn documents_tell_the_numbers_of_the_preset() {
+    let options = rsapien_vision::Options::paper();
+    let (hough, quality) = (options.hough, options.filter.quality_min);
+    let major = format!("{} to {}", hough.semi_major_min_px, hough.semi_major_max_px);
+    let (both, points) = (
+        format!("{major} and {} to {}", hough.semi_minor_min_px, hough.semi_minor_max_px),
+        format!("{quality} edge points"),
+    );
+    for (document, told) in [
+        ("crates/vision/README.md", [&major, &points]),
+        ("docs/detector.md", [&both, &points]),
+        ("docs/troubleshooting.md", [&both, &points]),
+        ("docs/first-robot.md", [&major, &major]),
+    ] {
+        let text = read(&workspace().join(document)).replace('\n', " ");
+        for words in told {
+            assert!(text.contains(words.as_str()), "{document} does not say {words:?}");
+        }
+    }
+}

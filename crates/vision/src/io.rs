@@ -40,6 +40,12 @@ pub enum PictureError {
     /// The content is no PNG, JPEG, BMP or PNM picture.
     #[error("not a picture that can be read: it begins like no png, jpeg, bmp or pnm file")]
     UnknownFormat,
+    /// A picture of another format.
+    #[error("{format} pictures are not read: convert it to png, jpeg, bmp or pnm")]
+    UnsupportedFormat {
+        /// The format recognised.
+        format: &'static str,
+    },
     /// The picture breaks off before its end.
     #[error("picture is incomplete: the {format} data ends early")]
     Incomplete {
@@ -103,6 +109,9 @@ impl Picture {
             .map_err(|error| broken(&error))?;
         let format = reader.format().ok_or(PictureError::UnknownFormat)?;
         let name = format.extensions_str().first().copied().unwrap_or("picture");
+        if !format.reading_enabled() {
+            return Err(PictureError::UnsupportedFormat { format: name });
+        }
         let codec = |error: CodecError| codec_error(error, name);
         let mut reader = reader;
         let mut limits = Limits::default();

@@ -175,16 +175,7 @@ pub(crate) fn picture(path: &Path, error: &PictureError) -> Failure {
         PictureError::UnknownFormat => {
             Failure::new(format!("{}: {error}", path.display())).hint("convert it to png first")
         }
-        _ => {
-            let failure = Failure::new(format!("{}: {error}", path.display()));
-            match error {
-                // Formats that the decoder knows by name only.
-                PictureError::Broken { .. } if error.to_string().contains("not supported") => {
-                    failure.hint("convert it to png first")
-                }
-                _ => failure,
-            }
-        }
+        _ => Failure::new(format!("{}: {error}", path.display())),
     }
 }
 

@@ -39,6 +39,8 @@ fn every_truncated_file_is_an_error() {
 fn content_that_is_no_picture_is_named_so() {
     assert!(matches!(Picture::decode(b"# a text"), Err(PictureError::UnknownFormat)));
     assert!(matches!(Picture::decode(b""), Err(PictureError::UnknownFormat)));
+    let gif = Picture::decode(b"GIF89a\x01\0\x01\0").unwrap_err();
+    assert_eq!(gif.to_string(), "gif pictures are not read: convert it to png, jpeg, bmp or pnm");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rsapien::link::virtual_robot::Pace;
-use rsapien::protocol::{Mode, Step};
+use rsapien::protocol::{Status, Step};
 use rsapien::sim::world::World;
 use rsapien::{
     CameraController, CancelToken, Error, LinkAddress, MotionController, Outcome, PlayOptions,
@@ -184,11 +184,14 @@ impl PyRobot {
     fn look(&self, py: Python<'_>, pan: f64, tilt: f64, speed: u16) -> PyResult<(f64, f64)> {
         let report = self.run(py, None, |open, _, _| {
             let camera = open.camera()?;
-            let mode = camera.refresh()?.camera_report().map(|report| report.mode);
-            if mode == Some(Mode::Fresh) {
-                camera.home()?;
+            match camera.look(pan, tilt, speed) {
+                // The head knows by itself whether it has to be homed first.
+                Err(Error::Refused { status: Status::NotInitialised, .. }) => {
+                    camera.home()?;
+                    camera.look(pan, tilt, speed)
+                }
+                looked => looked,
             }
-            camera.look(pan, tilt, speed)
         })?;
         Ok((f64::from(report.pan_centideg) / 100.0, f64::from(report.tilt_centideg) / 100.0))
     }

@@ -53,6 +53,13 @@ def test_looking_and_seeing(robot):
         robot.look(91, 0)
 
 
+def test_the_head_is_homed_when_it_has_to_be(robot):
+    robot.stop()
+    assert robot.look(10, 5) == (10.0, 5.0)
+    robot.stop()
+    assert robot.look(-10, 5) == (-10.0, 5.0)
+
+
 def test_refusals_are_typed(robot):
     outcome = robot.do("tilt-left")
     assert not outcome and outcome.kind == "refused" and "INIT" in outcome.text

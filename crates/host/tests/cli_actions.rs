@@ -119,6 +119,7 @@ fn what_is_wrong_is_told_with_its_place_and_nothing_is_stored() {
     std::fs::write(user.path("no.sqlite"), "this is no database, only a text of some length")
         .unwrap();
     user.expect(2, &["actions", "--registry", "no.sqlite", "list"]).told(&["no.sqlite"]);
+    user.expect(2, &["actions", "list", "--registry", "no.sqlite"]).told(&["no.sqlite"]);
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::data;
 #[derive(Debug, Clone, Args)]
 pub(crate) struct RegistryOptions {
     /// File of the actions; without it the one in this user's data folder, which is made when first needed
-    #[arg(long, value_name = "PATH", env = "RSAPIEN_REGISTRY", hide_env_values = true, value_parser = OsStringValueParser::new().map(PathBuf::from))]
+    #[arg(long, global = true, value_name = "PATH", env = "RSAPIEN_REGISTRY", hide_env_values = true, value_parser = OsStringValueParser::new().map(PathBuf::from))]
     pub(crate) registry: Option<PathBuf>,
 }
 

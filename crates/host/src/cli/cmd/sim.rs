@@ -24,7 +24,7 @@ use crate::cli::world;
 Examples:
   rsapien sim --pty /tmp/robot            then, elsewhere: rsapien --link /tmp/robot state
   rsapien sim --tcp 7000                  then, elsewhere: rsapien --link tcp://127.0.0.1:7000 init
-  echo '{\"press\":\"left-hand\"}' | nc -U /tmp/robot.control")]
+  echo '{\"press\":\"left-hand\"}' | nc -N -U /tmp/robot.control")]
 pub(crate) struct Cmd {
     /// Make LINK a symbolic link to a pseudo-terminal that speaks as the robot's serial port does
     #[arg(long, value_name = "LINK")]

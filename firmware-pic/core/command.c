@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+#include "command.h"
+
+#include "controller.h"
+#include "reception.h"
+
+#define CONTENT reception.content
+
+/* What one content byte asks of the next. */
+#define PARAMETER_DEAD_MAN 0u
+
+struct command command;
+
+void command_reset(void)
+{
+    command.session = 0;
+    command.last_sequence = 0;
+    command.any_executed = false;
+    command.duplicates = 0;
+}
+
+uint16_t command_word(uint8_t offset)
+{
+    return (uint16_t)(CONTENT[offset] | (uint16_t)((uint16_t)CONTENT[offset + 1u] << 8));
+}
+
+static bool ends_at(uint8_t end)
+{
+    return reception.content_used <= end;
+}
+
+static bool is_hello_valid(void)
+{
+    return (CONTENT[HELLO_SESSION] != 0u) && (CONTENT[HELLO_LOWEST] <= CONTENT[HELLO_HIGHEST]);
+}
+
+static bool is_configure_valid(void)
+{
+    uint8_t parameter = CONTENT[CONFIGURE_PARAMETER];
+    uint16_t value = command_word(CONFIGURE_VALUE);
+
+    if (parameter == PARAMETER_DEAD_MAN) {
+        return (value == 0u) || ((value >= DEAD_MAN_MS_MIN) && (value <= DEAD_MAN_MS_MAX));
+    }
+#ifdef RSAPIEN_MOTION
+    return (parameter <= JOINT_COUNT) && (value >= TRAVEL_MS_MIN) && (value <= TRAVEL_MS_MAX);
+#else
+    return false;
+#endif
+}
+
+#ifdef RSAPIEN_MOTION
+static bool is_step_valid(void)
+{
+    return ((CONTENT[STEP_POSE + 1u] & (uint8_t)~STEP_POSE_HIGH_MASK) == 0u) &&
+           ((CONTENT[STEP_DURATION] | CONTENT[STEP_DURATION + 1u]) != 0u) &&
+           ((CONTENT[STEP_FLAGS] & (uint8_t)~STEP_FLAG_REPLACE) == 0u) &&
+           ((CONTENT[STEP_BUMPERS] & (uint8_t)~STEP_BUMPERS_MASK) == 0u);
+}
+#else
+/* Whether the angle at `offset` is in -limit ..= limit, in 0.01 degree. */
+static bool is_angle_valid(uint8_t offset, int16_t limit_centideg)
+{
+    int16_t angle_centideg = (int16_t)command_word(offset);
+
+    return (angle_centideg >= -limit_centideg) && (angle_centideg <= limit_centideg);
+}
+
+static bool is_aim_valid(void)
+{
+    return is_angle_valid(AIM_PAN, PAN_CENTIDEG_MAX) && is_angle_valid(AIM_TILT, TILT_CENTIDEG_MAX);
+}
+#endif
+
+/* Whether kind, controller and arguments are right: unknown kind, not this controller's, bad
+ * argument, or to be executed. */
+static enum status analyse_request(void)
+{
+    bool valid;
+
+    switch (CONTENT[ACTION_KIND]) {
+    case KIND_HELLO:
+        valid = ends_at(HELLO_END) && is_hello_valid();
+        break;
+    case KIND_CONFIGURE:
+        valid = ends_at(CONFIGURE_END) && is_configure_valid();
+        break;
+#ifdef RSAPIEN_MOTION
+    case KIND_STEP:
+        valid = ends_at(STEP_END) && is_step_valid();
+        break;
+    case KIND_INIT:
+#else
+    case KIND_AIM:
+        valid = ends_at(AIM_END) && is_aim_valid();
+        break;
+    case KIND_HOME:
+#endif
+    case KIND_STATE:
+    case KIND_STOP:
+    case KIND_COUNTERS:
+        valid = ends_at(ACTION_ARGUMENTS);
+        break;
+#ifdef RSAPIEN_MOTION
+    case KIND_AIM:
+    case KIND_HOME:
+#else
+    case KIND_INIT:
+    case KIND_STEP:
+#endif
+        return STATUS_NOT_THIS_CONTROLLERS;
+    default:
+        return STATUS_UNKNOWN_KIND;
+    }
+    return valid ? STATUS_TO_BE_EXECUTED : STATUS_BAD_ARGUMENT;
+}
+
+static enum status open_session(void)
+{
+    if ((PROTOCOL_VERSION < CONTENT[HELLO_LOWEST]) || (PROTOCOL_VERSION > CONTENT[HELLO_HIGHEST])) {
+        return STATUS_VERSION_NOT_SPOKEN;
+    }
+    if (CONTENT[HELLO_SESSION] != command.session) {
+        command.session = CONTENT[HELLO_SESSION];
+        command.last_sequence = 0;
+        command.any_executed = false;
+    }
+    return STATUS_ACCEPTED;
+}
+
+static enum status analyse_turn(void)
+{
+    uint8_t sequence = CONTENT[ACTION_SEQUENCE];
+
+    if ((command.session == 0u) || (CONTENT[ACTION_SESSION] != command.session)) {
+        return STATUS_NO_SESSION;
+    }
+    if (command.any_executed && (sequence == command.last_sequence)) {
+        command.duplicates++;
+        return STATUS_ACCEPTED;
+    }
+    if (sequence != (uint8_t)(command.last_sequence + 1u)) {
+        return STATUS_OUT_OF_SEQUENCE;
+    }
+    return STATUS_TO_BE_EXECUTED;
+}
+
+enum status command_analyse(void)
+{
+    enum status status = analyse_request();
+
+    if (status == STATUS_TO_BE_EXECUTED) {
+        if (CONTENT[ACTION_KIND] == (uint8_t)KIND_HELLO) {
+            status = open_session();
+        } else if (CONTENT[ACTION_KIND] >= KIND_NUMBERED_FIRST) {
+            status = analyse_turn();
+        } else {
+            /* STATE, STOP and COUNTERS have no turn. */
+        }
+    }
+    return status;
+}
+
+void command_note_executed(void)
+{
+    if (CONTENT[ACTION_KIND] >= KIND_NUMBERED_FIRST) {
+        command.last_sequence = CONTENT[ACTION_SEQUENCE];
+        command.any_executed = true;
+    }
+}

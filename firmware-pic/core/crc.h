@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+/*
+ * The check over a package: 16 bits, polynomial 0x5935 processed least significant bit first,
+ * initial value 0xFFFF, no final xor (SPEC.md, section 3).
+ */
+#ifndef RSAPIEN_CRC_H
+#define RSAPIEN_CRC_H
+
+#include <stdint.h>
+
+/* A check in the making. */
+struct crc {
+    uint8_t low;
+    uint8_t high;
+};
+
+/* That of the package being received; who makes another one puts it back. Main routine only. */
+extern struct crc crc;
+
+void crc_begin(void);
+
+/* Takes one more byte into `crc`. */
+void crc_add(uint8_t byte);
+
+#endif

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+#include "dead_man.h"
+
+#include "constants.h"
+#include "port.h"
+
+struct dead_man dead_man;
+
+void dead_man_reset(void)
+{
+    dead_man.timeout_ms = DEAD_MAN_MS_DEFAULT;
+    dead_man.silence_ms = 0;
+    dead_man.trips = 0;
+}
+
+void dead_man_tick(void)
+{
+    if (dead_man.silence_ms != 0xFFFFu) {
+        dead_man.silence_ms++;
+    }
+}
+
+bool dead_man_trips_now(bool moving)
+{
+    if (!moving || (dead_man.timeout_ms == 0u) || (dead_man.silence_ms < dead_man.timeout_ms)) {
+        return false;
+    }
+    dead_man.trips++;
+    return true;
+}
+
+void dead_man_package_received(void)
+{
+    port_lock();
+    dead_man.silence_ms = 0;
+    port_unlock();
+}

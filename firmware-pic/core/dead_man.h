@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+/*
+ * The dead-man: silence ends motion.
+ *
+ *              intact package to this controller: silence = 0
+ *            ┌──────────┐
+ *            ▼          │
+ *        LISTENING ─────┴── tick: silence + 1; silence = dead-man time, and something moves
+ *            ▲                                                  │ trip: all off, queue emptied,
+ *            └──────────────────────────────────────────────────┘       held
+ *
+ * The timer routine counts and trips, so a hung main routine cannot keep the motors on.
+ */
+#ifndef RSAPIEN_DEAD_MAN_H
+#define RSAPIEN_DEAD_MAN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct dead_man {
+    uint16_t timeout_ms; /* 0: off; set by CONFIGURE, locked */
+    uint16_t silence_ms; /* at most 65535 */
+    uint16_t trips;
+};
+
+extern struct dead_man dead_man;
+
+void dead_man_reset(void);
+
+/* Timer routine. */
+void dead_man_tick(void);
+
+/* Timer routine: whether the dead-man trips, which is counted. */
+bool dead_man_trips_now(bool moving);
+
+/* Main routine. */
+void dead_man_package_received(void);
+
+#endif

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+#include "joint.h"
+
+#include "controller.h"
+#include "port.h"
+#include "queue.h"
+
+#if DEAD_TIME_MS != 1
+#error "a bit a joint keeps one tick of dead time"
+#endif
+
+struct joints joints;
+
+#define JOINT 0
+#define JOINT_SWITCH SWITCH_RIGHT
+#include "joint_routines.h"
+
+#define JOINT 1
+#define JOINT_SWITCH SWITCH_LEFT
+#include "joint_routines.h"
+
+#define JOINT 2
+#include "joint_routines.h"
+
+#define JOINT 3
+#include "joint_routines.h"
+
+#define JOINT 4
+#include "joint_routines.h"
+
+#define JOINT 5
+#include "joint_routines.h"
+
+#define JOINT 6
+#include "joint_routines.h"
+
+/* Whether a joint's bits are set in a pose word's low or high byte, and in a byte of joints. */
+#define NAMED(pose, shift) (((pose) & (uint8_t)(3u << (shift))) != 0u)
+#define HAS(byte, joint) (((byte) & (uint8_t)(1u << (joint))) != 0u)
+
+static void reset_drive(uint8_t joint, uint16_t full_travel_ms)
+{
+    joints.drive[joint].full_travel_ms = full_travel_ms;
+    joints.drive[joint].position_ms = 0;
+}
+
+void joints_reset(void)
+{
+    reset_drive(JOINT_RIGHT_ARM, FULL_TRAVEL_MS_RIGHT_ARM);
+    reset_drive(JOINT_LEFT_ARM, FULL_TRAVEL_MS_LEFT_ARM);
+    reset_drive(JOINT_RIGHT_HAND, FULL_TRAVEL_MS_RIGHT_HAND);
+    reset_drive(JOINT_LEFT_HAND, FULL_TRAVEL_MS_LEFT_HAND);
+    reset_drive(JOINT_TILT, FULL_TRAVEL_MS_TILT);
+    reset_drive(JOINT_RIGHT_LEG, FULL_TRAVEL_MS_RIGHT_LEG);
+    reset_drive(JOINT_LEFT_LEG, FULL_TRAVEL_MS_LEFT_LEG);
+    joints_stop();
+    joints.motors.driven_first = 0;
+    joints.motors.driven_last = 0;
+    joints.pose_reached_low = 0;
+    joints.pose_reached_high = 0;
+    joints.switches_closed = 0;
+}
+
+uint8_t joints_moving(void)
+{
+    return (uint8_t)(joints.motors.towards_first | joints.motors.towards_last);
+}
+
+void joints_drive_pins(void)
+{
+    uint8_t on = (uint8_t)~joints.motors.dead_time;
+
+    port_motors((uint8_t)(joints.motors.towards_first & on),
+                (uint8_t)(joints.motors.towards_last & on));
+}
+
+void joints_advance(void)
+{
+    /* The ms in which both outputs are off is not reckoned. */
+    uint8_t driven = (uint8_t)(joints_moving() & (uint8_t)~joints.motors.dead_time);
+
+    joints.motors.dead_time = 0;
+    joints.motors.driven_first = joints.motors.towards_first;
+    joints.motors.driven_last = joints.motors.towards_last;
+    if (HAS(driven, 0)) {
+        advance_0();
+    }
+    if (HAS(driven, 1)) {
+        advance_1();
+    }
+    if (HAS(driven, 2)) {
+        advance_2();
+    }
+    if (HAS(driven, 3)) {
+        advance_3();
+    }
+    if (HAS(driven, 4)) {
+        advance_4();
+    }
+    if (HAS(driven, 5)) {
+        advance_5();
+    }
+    if (HAS(driven, 6)) {
+        advance_6();
+    }
+}
+
+void joints_send(void)
+{
+    if (NAMED(step.pose_low, 0)) {
+        send_0();
+    }
+    if (NAMED(step.pose_low, 2)) {
+        send_1();
+    }
+    if (NAMED(step.pose_low, 4)) {
+        send_2();
+    }
+    if (NAMED(step.pose_low, 6)) {
+        send_3();
+    }
+    if (NAMED(step.pose_high, 0)) {
+        send_4();
+    }
+    if (NAMED(step.pose_high, 2)) {
+        send_5();
+    }
+    if (NAMED(step.pose_high, 4)) {
+        send_6();
+    }
+}
+
+void joints_switches_changed(uint8_t switches_closed)
+{
+    uint8_t changed = (uint8_t)(joints.switches_closed ^ switches_closed);
+
+    joints.switches_closed = switches_closed;
+    if ((changed & SWITCH_RIGHT) != 0u) {
+        switch_changed_0();
+    }
+    if ((changed & SWITCH_LEFT) != 0u) {
+        switch_changed_1();
+    }
+}
+
+void joints_home(void)
+{
+    home_0();
+    home_1();
+    home_2();
+    home_3();
+    home_4();
+    home_5();
+    home_6();
+}
+
+void joints_stop(void)
+{
+    joints.motors.towards_first = 0;
+    joints.motors.towards_last = 0;
+    joints.motors.dead_time = 0;
+}
+
+/* a * b / c for a <= c, which fits in 16 bits. Long division by hand: the compiler's own is three
+ * times as long, and this runs with the timer interrupt waiting. */
+static uint16_t scaled(uint16_t a, uint16_t b, uint16_t c)
+{
+    uint32_t remainder = (uint32_t)a * b;
+    uint32_t divisor = (uint32_t)c << 16;
+    uint16_t quotient = 0;
+    uint8_t bits;
+
+    for (bits = 0; bits < 16u; bits++) {
+        divisor >>= 1;
+        quotient = (uint16_t)(quotient << 1);
+        if (remainder >= divisor) {
+            remainder -= divisor;
+            quotient |= 1u;
+        }
+    }
+    return quotient;
+}
+
+void joints_configure(uint8_t joint, uint16_t full_travel_ms)
+{
+    joints.drive[joint].position_ms = scaled(joints.drive[joint].position_ms, full_travel_ms,
+                                             joints.drive[joint].full_travel_ms);
+    joints.drive[joint].full_travel_ms = full_travel_ms;
+}

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+/*
+ * The part of the timer routine that moves the joints: dead reckoning by travel time.
+ *
+ * A position is the time in ms that the motor takes to it from the end stop of the first
+ * position: 0 there, T / 2 at the middle, the full travel time T at the end stop of the last. All
+ * divisions are by powers of two and round down.
+ *
+ *                                  remaining = 0 (first, last: on the end stop by now;
+ *             sent somewhere       middle without a switch, or with its switch closed)
+ *   RESTING ─────────────────► TRAVELLING ──────────────────────────────────────► RESTING, reached
+ *    ▲ │  ▲                        │ arm, remaining = 0 at the reckoned middle,
+ *    │ │  │ switch closes          ▼ switch open
+ *    │ │  ├─────────────────── SEARCHING       goes on for T / 8
+ *    │ │  │                        │ remaining = 0
+ *    │ │  │ switch closes          ▼
+ *    │ │  └─────────────────── SEARCHING_BACK  turns, goes T / 4
+ *    │ │                           │ remaining = 0
+ *    │ │                           └─────────────────────────────────────────────► RESTING, not reached
+ *    │ │ INIT        remaining = T + T / 8
+ *    │ └──────► HOMING ── remaining = 0: position = 0, sent to the middle ──► TRAVELLING
+ *    └── all off, from any state: reached nothing, the reckoned position stays
+ *
+ * Sent to an end stop a motor overruns by T / 8, so that the joint surely stands there. A joint
+ * sent where it has arrived, or where it is already going, goes on as it is. When the sense
+ * turns, both outputs are off until the next tick, even when the motor had arrived just before.
+ *
+ * The secondary routine for the middle arm position runs when a mid-arm switch changes:
+ *
+ *   switch changes ─► motor off or homing ──────────────────────────────────► nothing
+ *                  ─► more than T / 4 from the reckoned middle ─────────────► nothing (not believed)
+ *                  ─► on the way to the middle, closes ─► position = edge, motor off, reached
+ *                  ─► on the way to the middle, opens  ─────────────────────► nothing
+ *                  ─► on the way to an end stop ─► position = edge, the rest of the way anew
+ *
+ *   edges:   first ──────────────[ T/2 - T/32      closed      T/2 + T/32 ]────────────── last
+ *                    towards last: closes here                  opens here
+ *                    towards first: opens here                  closes here
+ */
+#ifndef RSAPIEN_JOINT_H
+#define RSAPIEN_JOINT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "constants.h"
+#include "protocol.h"
+
+/* What a joint is doing. A joint whose motor is off is resting (0 in Rust): that is told by the
+ * motors' bits alone, and its drive's state is what it did before. */
+enum joint_state {
+    JOINT_STATE_HOMING = 1,
+    JOINT_STATE_TRAVELLING = 2,
+    JOINT_STATE_SEARCHING = 3,
+    JOINT_STATE_SEARCHING_BACK = 4
+};
+
+/* What is reckoned of one joint. */
+struct joint_drive {
+    enum joint_state state;
+    uint8_t target; /* an enum position, where the joint's bits are in a pose word */
+    uint16_t full_travel_ms;
+    uint16_t position_ms;
+    uint16_t remaining_ms; /* ticks until the movement under way ends */
+};
+
+/* The motors, bit j for joint j in each byte, so that one instruction reaches all of them. */
+struct motors {
+    uint8_t towards_first; /* the sense commanded; */
+    uint8_t towards_last;  /* in neither: off */
+    uint8_t dead_time;     /* both outputs stay off until the next tick */
+    uint8_t driven_first;  /* on the pins last, in the present tick or the one before; */
+    uint8_t driven_last;   /* in neither: off for a whole tick */
+};
+
+struct joints {
+    struct joint_drive drive[JOINT_COUNT];
+    struct motors motors;
+    uint8_t pose_reached_low;  /* pose word of where the joints rest, if they arrived there */
+    uint8_t pose_reached_high;
+    uint8_t switches_closed;   /* SWITCH_LEFT, SWITCH_RIGHT */
+};
+
+extern struct joints joints;
+
+void joints_reset(void);
+
+/* Joints whose motor is on, or will be after its dead time. */
+uint8_t joints_moving(void);
+
+/* Puts the motors' outputs on the pins. */
+void joints_drive_pins(void);
+
+/* Timer routine: 1 ms has passed. */
+void joints_advance(void);
+
+/* Timer routine, and main routine, locked: sends the joints that `step` names. */
+void joints_send(void);
+
+/* Input change routine: the mid-arm switches are closed as SWITCH_LEFT and SWITCH_RIGHT say. */
+void joints_switches_changed(uint8_t switches_closed);
+
+/* Main routine, locked: INIT; every motor off; a new full travel time for one joint. */
+void joints_home(void);
+void joints_stop(void);
+void joints_configure(uint8_t joint, uint16_t full_travel_ms);
+
+#endif

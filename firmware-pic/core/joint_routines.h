@@ -1,0 +1,288 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+/*
+ * The routines of one joint. joint.c includes this file once for each joint, with its number as
+ * JOINT: the places of its drive and of its bits are then constants, which a PIC18 reaches in one
+ * instruction where a variable number takes ten.
+ *
+ * JOINT_SWITCH is the bit of the joint's mid-arm switch; not defined for a joint without one.
+ */
+
+#define DRIVE joints.drive[JOINT]
+#define BIT ((uint8_t)(1u << JOINT))
+#define NOT_BIT ((uint8_t) ~(1u << JOINT))
+#define JOIN(name, joint) name##_##joint
+#define NAME_FOR(name, joint) JOIN(name, joint)
+#define NAME(name) NAME_FOR(name, JOINT)
+
+/* Where the joint stands in a pose word. */
+#if JOINT < 4
+#define POSE_REACHED joints.pose_reached_low
+#define POSE_SENT step.pose_low
+#define POSE_SHIFT (2u * JOINT)
+#else
+#define POSE_REACHED joints.pose_reached_high
+#define POSE_SENT step.pose_high
+#define POSE_SHIFT (2u * (JOINT - 4u))
+#endif
+#define POSE_MASK ((uint8_t)(3u << POSE_SHIFT))
+#define POSE_OF(position) ((uint8_t)((uint8_t)(position) << POSE_SHIFT))
+
+#define OVERRUN_MS ((uint16_t)(DRIVE.full_travel_ms >> OVERRUN_SHIFT))
+#define MIDDLE_MS ((uint16_t)(DRIVE.full_travel_ms >> 1))
+
+static void NAME(stop)(void)
+{
+    joints.motors.towards_first &= NOT_BIT;
+    joints.motors.towards_last &= NOT_BIT;
+    joints.motors.dead_time &= NOT_BIT;
+}
+
+/* The joint has arrived where it was sent. */
+static void NAME(arrive)(void)
+{
+    NAME(stop)();
+    POSE_REACHED = (uint8_t)((POSE_REACHED & (uint8_t)~POSE_MASK) | DRIVE.target);
+}
+
+static void NAME(start_towards_first)(void)
+{
+    joints.motors.towards_first |= BIT;
+    joints.motors.towards_last &= NOT_BIT;
+    if ((joints.motors.driven_last & BIT) != 0u) {
+        joints.motors.dead_time |= BIT;
+    } else {
+        joints.motors.dead_time &= NOT_BIT;
+        joints.motors.driven_first |= BIT;
+    }
+    POSE_REACHED &= (uint8_t)~POSE_MASK;
+}
+
+static void NAME(start_towards_last)(void)
+{
+    joints.motors.towards_last |= BIT;
+    joints.motors.towards_first &= NOT_BIT;
+    if ((joints.motors.driven_first & BIT) != 0u) {
+        joints.motors.dead_time |= BIT;
+    } else {
+        joints.motors.dead_time &= NOT_BIT;
+        joints.motors.driven_last |= BIT;
+    }
+    POSE_REACHED &= (uint8_t)~POSE_MASK;
+}
+
+static void NAME(go_to_middle)(void)
+{
+    uint16_t middle_ms = MIDDLE_MS;
+    bool is_before = DRIVE.position_ms < middle_ms;
+    uint16_t way_ms;
+    bool is_there;
+
+    if (is_before) {
+        way_ms = (uint16_t)(middle_ms - DRIVE.position_ms);
+    } else {
+        way_ms = (uint16_t)(DRIVE.position_ms - middle_ms);
+    }
+#ifdef JOINT_SWITCH
+    /* A closed switch far from the reckoned middle is stuck: it is not believed. */
+    is_there = ((joints.switches_closed & JOINT_SWITCH) != 0u) && (way_ms <= OVERRUN_MS);
+#else
+    is_there = (way_ms == 0u);
+#endif
+    if (is_there) {
+        NAME(arrive)();
+        return;
+    }
+    DRIVE.state = JOINT_STATE_TRAVELLING;
+#ifdef JOINT_SWITCH
+    if (way_ms == 0u) {
+        DRIVE.state = JOINT_STATE_SEARCHING;
+        way_ms = OVERRUN_MS;
+        is_before = true;
+    }
+#endif
+    DRIVE.remaining_ms = way_ms;
+    if (is_before) {
+        NAME(start_towards_last)();
+    } else {
+        NAME(start_towards_first)();
+    }
+}
+
+/* The way to the end stop that the joint is going to, from where it is. */
+static void NAME(reckon_way_to_first)(void)
+{
+    DRIVE.remaining_ms = (uint16_t)(DRIVE.position_ms + OVERRUN_MS);
+}
+
+static void NAME(reckon_way_to_last)(void)
+{
+    DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms - DRIVE.position_ms + OVERRUN_MS);
+}
+
+/* Sets out for the target from where the joint is. */
+static void NAME(go)(void)
+{
+    if (DRIVE.target == POSE_OF(POSITION_FIRST)) {
+        DRIVE.state = JOINT_STATE_TRAVELLING;
+        NAME(reckon_way_to_first)();
+        NAME(start_towards_first)();
+    } else if (DRIVE.target == POSE_OF(POSITION_LAST)) {
+        DRIVE.state = JOINT_STATE_TRAVELLING;
+        NAME(reckon_way_to_last)();
+        NAME(start_towards_last)();
+    } else {
+        NAME(go_to_middle)();
+    }
+}
+
+/* Sends the joint where `step` says, unless it is there or already going there. */
+static void NAME(send)(void)
+{
+    uint8_t target = (uint8_t)(POSE_SENT & POSE_MASK);
+    uint8_t has;
+
+    if (((joints.motors.towards_first | joints.motors.towards_last) & BIT) != 0u) {
+        has = DRIVE.target;
+    } else {
+        has = (uint8_t)(POSE_REACHED & POSE_MASK);
+    }
+    if (has != target) {
+        DRIVE.target = target;
+        NAME(go)();
+    }
+}
+
+/* INIT: to the first end stop from an unknown position, then to the middle. */
+static void NAME(home)(void)
+{
+    DRIVE.target = POSE_OF(POSITION_MIDDLE);
+    DRIVE.state = JOINT_STATE_HOMING;
+    DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms + OVERRUN_MS);
+    NAME(start_towards_first)();
+}
+
+static void NAME(travel_ended)(void)
+{
+    if (DRIVE.target == POSE_OF(POSITION_FIRST)) {
+        DRIVE.position_ms = 0;
+    } else if (DRIVE.target == POSE_OF(POSITION_LAST)) {
+        DRIVE.position_ms = DRIVE.full_travel_ms;
+    } else {
+        DRIVE.position_ms = MIDDLE_MS;
+#ifdef JOINT_SWITCH
+        if ((joints.switches_closed & JOINT_SWITCH) == 0u) {
+            DRIVE.state = JOINT_STATE_SEARCHING;
+            DRIVE.remaining_ms = OVERRUN_MS;
+            return;
+        }
+#endif
+    }
+    NAME(arrive)();
+}
+
+#ifdef JOINT_SWITCH
+static void NAME(search_back)(void)
+{
+    DRIVE.state = JOINT_STATE_SEARCHING_BACK;
+    DRIVE.remaining_ms = (uint16_t)(2u * OVERRUN_MS);
+    if ((joints.motors.towards_last & BIT) != 0u) {
+        NAME(start_towards_first)();
+    } else {
+        NAME(start_towards_last)();
+    }
+}
+#endif
+
+static void NAME(movement_ended)(void)
+{
+    if (DRIVE.state == JOINT_STATE_TRAVELLING) {
+        NAME(travel_ended)();
+    } else if (DRIVE.state == JOINT_STATE_HOMING) {
+        DRIVE.position_ms = 0;
+        NAME(go_to_middle)();
+    } else {
+#ifdef JOINT_SWITCH
+        if (DRIVE.state == JOINT_STATE_SEARCHING) {
+            NAME(search_back)();
+        } else {
+            NAME(stop)();
+        }
+#endif
+    }
+}
+
+/* Timer routine, for a joint whose outputs are on: 1 ms has passed. */
+static void NAME(advance)(void)
+{
+    if ((joints.motors.towards_last & BIT) != 0u) {
+        if (DRIVE.position_ms < DRIVE.full_travel_ms) {
+            DRIVE.position_ms++;
+        }
+    } else if (DRIVE.position_ms != 0u) {
+        DRIVE.position_ms--;
+    } else {
+        /* On its end stop by reckoning, and running on to be sure. */
+    }
+    DRIVE.remaining_ms--;
+    if (DRIVE.remaining_ms == 0u) {
+        NAME(movement_ended)();
+    }
+}
+
+#ifdef JOINT_SWITCH
+/* Whether a change of the switch is believed: not far from where it ought to be. */
+static bool NAME(is_near_middle)(void)
+{
+    uint16_t middle_ms = MIDDLE_MS;
+    uint16_t way_ms;
+
+    if (DRIVE.position_ms < middle_ms) {
+        way_ms = (uint16_t)(middle_ms - DRIVE.position_ms);
+    } else {
+        way_ms = (uint16_t)(DRIVE.position_ms - middle_ms);
+    }
+    return way_ms <= (uint16_t)(DRIVE.full_travel_ms >> BELIEVED_SHIFT);
+}
+
+static void NAME(switch_changed)(void)
+{
+    bool is_closed = (joints.switches_closed & JOINT_SWITCH) != 0u;
+    bool is_towards_last = (joints.motors.towards_last & BIT) != 0u;
+    bool is_to_middle = (DRIVE.target == POSE_OF(POSITION_MIDDLE));
+    uint16_t half_window_ms = (uint16_t)(DRIVE.full_travel_ms >> SWITCH_HALF_WINDOW_SHIFT);
+
+    if ((!is_towards_last && ((joints.motors.towards_first & BIT) == 0u)) ||
+        (DRIVE.state == JOINT_STATE_HOMING) || (is_to_middle && !is_closed) ||
+        !NAME(is_near_middle)()) {
+        return;
+    }
+    if (is_towards_last == is_closed) {
+        DRIVE.position_ms = (uint16_t)(MIDDLE_MS - half_window_ms);
+    } else {
+        DRIVE.position_ms = (uint16_t)(MIDDLE_MS + half_window_ms);
+    }
+    if (is_to_middle) {
+        NAME(arrive)();
+    } else if (is_towards_last) {
+        NAME(reckon_way_to_last)();
+    } else {
+        NAME(reckon_way_to_first)();
+    }
+}
+#endif
+
+#undef DRIVE
+#undef BIT
+#undef NOT_BIT
+#undef JOIN
+#undef NAME_FOR
+#undef NAME
+#undef POSE_REACHED
+#undef POSE_SENT
+#undef POSE_SHIFT
+#undef POSE_MASK
+#undef POSE_OF
+#undef OVERRUN_MS
+#undef MIDDLE_MS
+#undef JOINT
+#undef JOINT_SWITCH

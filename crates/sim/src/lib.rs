@@ -5,6 +5,8 @@
 pub mod body;
 pub mod camera;
 pub mod control;
+mod electronics;
+pub mod firmware;
 pub mod geometry;
 pub mod line;
 pub mod pace;

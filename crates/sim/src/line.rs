@@ -64,6 +64,14 @@ pub(crate) enum Heard {
     FramingError,
 }
 
+/// What a PC reads, as terminals do.
+const fn as_read(heard: Heard) -> u8 {
+    match heard {
+        Heard::Byte(byte) => byte,
+        Heard::FramingError => 0,
+    }
+}
+
 /// Damage done to the bytes of one direction.
 #[derive(Debug, Clone)]
 struct Damage {
@@ -212,15 +220,33 @@ impl Line {
         }
         let controller = usize::from(now != motion);
         let byte = self.from_controllers[controller].take()?.byte;
-        if !self.pulled {
-            for heard in self.damage_to_pc.carry(byte).into_iter().flatten() {
-                self.arrived.push(match heard {
-                    Heard::Byte(byte) => byte,
-                    Heard::FramingError => 0,
-                });
-            }
-        }
+        self.arrive(Heard::Byte(byte));
         Some((now, LineEvent::Sent(controller)))
+    }
+
+    /// The next byte of the PC that begins to leave it before `end`, with the time of its start bit, for receivers that
+    /// hear it bit by bit. Not to be mixed with [`next_event`](Line::next_event).
+    pub(crate) fn next_begun(&mut self, end: u64) -> Option<(u64, [Option<Heard>; 3])> {
+        let Shifting { byte, done_at } =
+            self.from_pc.take_if(|byte| byte.done_at < end + BYTE_UNITS)?;
+        self.shift_next(done_at);
+        let heard = if self.pulled { [None; 3] } else { self.damage_to_robot.carry(byte) };
+        Some((done_at - BYTE_UNITS, heard))
+    }
+
+    /// The PC's end of the line gets what a controller has sent, less what the line does to it.
+    pub(crate) fn arrive(&mut self, sent: Heard) {
+        if self.pulled {
+            return;
+        }
+        match sent {
+            Heard::Byte(byte) => {
+                for heard in self.damage_to_pc.carry(byte).into_iter().flatten() {
+                    self.arrived.push(as_read(heard));
+                }
+            }
+            Heard::FramingError => self.arrived.push(as_read(sent)),
+        }
     }
 
     /// Whether bytes have arrived at the PC that it has not taken.

@@ -1,7 +1,7 @@
 //! How virtual time passes when nobody advances it by hand.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -39,6 +39,9 @@ pub const FACTOR: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 
 /// What a stalled machine may make the clock catch up with, in wall time; what is beyond is let go.
 const CATCH_UP: Duration = Duration::from_millis(250);
+/// The longest that a clock keeps the robot to itself in one turn: a firmware in a simulator may take as long for a
+/// virtual ms as a ms.
+const TURN: Duration = Duration::from_millis(5);
 /// How often the clock is looked at.
 const TICK: Duration = Duration::from_millis(1);
 /// How far a free clock runs ahead of the wall clock after every answer, in virtual ms: less than the half second of
@@ -56,15 +59,22 @@ struct Pace {
     factor: f64,
     start: Instant,
     start_ms: u64,
+    /// Virtual ms that were dropped.
+    lost_ms: u64,
 }
 
 impl Pace {
+    fn new(factor: f64, now_ms: u64) -> Self {
+        Self { factor, start: Instant::now(), start_ms: now_ms, lost_ms: 0 }
+    }
+
     /// The virtual time for `now`; a lag beyond [`CATCH_UP`] is dropped, so that the clock never races after a stall.
     fn target_ms(&mut self, now: Instant, now_ms: u64) -> u64 {
         let most_ms = now_ms + whole_ms(CATCH_UP.as_secs_f64() * 1000.0 * self.factor).max(1);
         let elapsed_ms = now.saturating_duration_since(self.start).as_secs_f64() * 1000.0;
         let target_ms = self.start_ms + whole_ms(elapsed_ms * self.factor);
         if target_ms > most_ms {
+            self.lost_ms += target_ms - most_ms;
             (self.start, self.start_ms) = (now, most_ms);
             return most_ms;
         }
@@ -78,6 +88,15 @@ fn whole_ms(ms: f64) -> u64 {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let whole = ms as u64;
     whole
+}
+
+/// Moves the clock to `target_ms`, or as far as it comes in a turn. Returns whether it came there.
+fn run_turn(robot: &mut VirtualRobot, target_ms: u64) -> bool {
+    let end = Instant::now() + TURN;
+    while robot.now_ms() < target_ms && Instant::now() < end {
+        robot.advance_to(robot.now_ms() + 1);
+    }
+    robot.now_ms() >= target_ms
 }
 
 /// Moves a free clock for one turn. Returns whether it went on.
@@ -96,11 +115,13 @@ fn run_freely(robot: &mut VirtualRobot, pace: &mut Pace) -> bool {
 }
 
 /// Runs `clock` in a thread of its own until `stop` is set. After every turn `arrived` gets the bytes that have
-/// arrived at the PC, if any.
+/// arrived at the PC, if any. `lost_ms` is set to the virtual ms that were dropped so far because the machine could not
+/// keep up with a paced clock.
 pub fn run(
     robot: SharedRobot,
     clock: Clock,
     stop: Arc<AtomicBool>,
+    lost_ms: Arc<AtomicU64>,
     mut arrived: impl FnMut(&[u8]) + Send + 'static,
 ) -> JoinHandle<()> {
     thread::spawn(move || {
@@ -108,15 +129,15 @@ pub fn run(
             Clock::Paced { factor } => factor.clamp(*FACTOR.start(), *FACTOR.end()),
             Clock::Free | Clock::Manual => 1.0,
         };
-        let mut pace = Pace { factor, start: Instant::now(), start_ms: robot.lock().now_ms() };
+        let mut pace = Pace::new(factor, robot.lock().now_ms());
         let mut bytes = Vec::new();
         while !stop.load(Ordering::Relaxed) {
             let mut locked = robot.lock();
             let pause = match clock {
                 Clock::Paced { .. } => {
                     let target_ms = pace.target_ms(Instant::now(), locked.now_ms());
-                    locked.advance_to(target_ms);
-                    TICK
+                    lost_ms.store(pace.lost_ms, Ordering::Relaxed);
+                    if run_turn(&mut locked, target_ms) { TICK } else { FREE_PAUSES[0] }
                 }
                 Clock::Free if run_freely(&mut locked, &mut pace) => FREE_PAUSES[0],
                 Clock::Free => FREE_PAUSES[1],
@@ -148,12 +169,14 @@ mod tests {
     #[test]
     fn time_follows_the_wall_clock_and_never_races_after_a_stall() {
         let start = Instant::now();
-        let mut pace = Pace { factor: 10.0, start, start_ms: 100 };
+        let mut pace = Pace { start, ..Pace::new(10.0, 100) };
         let at = |ms| start + Duration::from_millis(ms);
         assert_eq!(pace.target_ms(at(7), 100), 170);
         assert_eq!(pace.target_ms(at(200), 170), 2100);
         // A stall of an hour is worth the 250 ms that may be caught up with.
+        assert_eq!(pace.lost_ms, 0);
         assert_eq!(pace.target_ms(at(3_600_000), 2100), 4600);
+        assert_eq!(pace.lost_ms, 36_000_100 - 4600);
         assert_eq!(pace.target_ms(at(3_600_001), 4600), 4610);
     }
 
@@ -162,7 +185,7 @@ mod tests {
         let mut robot = robot();
         // Far enough ahead that the wall clock does not catch up during the test.
         let start = Instant::now() + Duration::from_hours(1);
-        let mut pace = Pace { factor: 1.0, start, start_ms: 0 };
+        let mut pace = Pace { start, ..Pace::new(1.0, 0) };
         while run_freely(&mut robot, &mut pace) {}
         assert_eq!(robot.now_ms(), HEAD_START_MS);
         // Half a package: the rest may still come, so its time passes and no more.

@@ -6,7 +6,8 @@
 //! give the same bytes, motions and pictures.
 //!
 //! One virtual millisecond is: bytes that the line completes in it reach both controllers, whose main routines run
-//! at once; then both controllers tick; then the body and the head move as the outputs tell them.
+//! at once; then both controllers tick; then the body and the head move as the outputs tell them. The controllers are
+//! the firmware's reference model, or the firmware itself in a simulator of its chips ([`crate::firmware`]).
 
 mod config;
 mod faults;
@@ -16,28 +17,25 @@ mod state;
 #[cfg(test)]
 mod tests;
 
-pub use config::{ConfigError, VirtualRobotConfig};
+pub use crate::electronics::NotWithFirmware;
+pub use config::{ConfigError, Controllers, VirtualRobotConfig};
 pub use head::HEAD_SPEED_CENTIDEG_PER_MS;
 pub use power::Power;
 pub use state::{JointReading, RobotReading};
 
 use std::sync::Arc;
 
-use rsapien_firmware_model::{
-    CameraController, Controller, Inputs, MiddleSwitches, MotionController, MotorOutput, ResetCause,
-};
-use rsapien_protocol::{CameraReport, Joint, LineError, MotionReport};
+use rsapien_firmware_model::{Inputs, MiddleSwitches};
+use rsapien_protocol::{CameraReport, Joint, MotionReport};
 
 use crate::body::{Body, LOW_MV, MotorPins};
 use crate::camera::{Camera, CameraPose, HeadAngles, Picture, VisibleEllipse, ground_truth};
+use crate::electronics::{Electronics, Model};
+use crate::firmware::{Firmware, FirmwareError};
 use crate::geometry::RobotPose;
-use crate::line::{Heard, Line, LineEvent};
+use crate::line::Line;
 use crate::world::World;
 use head::Head;
-
-/// Controllers in the order in which the line knows them.
-const MOTION: usize = 0;
-const CAMERA: usize = 1;
 
 /// A moment as the camera sees it, to be rendered without holding the robot up.
 #[derive(Debug, Clone)]
@@ -61,15 +59,14 @@ impl View {
 }
 
 /// The virtual robot. See the [module](self).
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct VirtualRobot {
     now_ms: u64,
     world: Arc<World>,
     camera: Arc<Camera>,
     frame: u64,
     line: Line,
-    motion: MotionController,
-    camera_controller: CameraController,
+    electronics: Box<dyn Electronics>,
     body: Body,
     head: Head,
     power: Power,
@@ -79,25 +76,57 @@ impl VirtualRobot {
     /// A robot that was switched on at virtual time 0 and to which nobody has spoken.
     ///
     /// # Errors
-    /// [`ConfigError`] names the first value outside its range.
+    /// [`ConfigError`] names the first value outside its range, or tells why the firmware does not run.
     pub fn new(config: VirtualRobotConfig) -> Result<Self, ConfigError> {
         config.check()?;
+        let electronics: Box<dyn Electronics> = match &config.controllers {
+            Controllers::Model => Box::new(Model::new(config.clock_mhz)),
+            Controllers::Firmware(firmware) => Box::new(Firmware::start(firmware)?),
+        };
+        Self::with_electronics(config, electronics)
+    }
+
+    /// A robot with these controllers, just switched on, whatever the configuration says of them.
+    pub(crate) fn with_electronics(
+        config: VirtualRobotConfig,
+        electronics: Box<dyn Electronics>,
+    ) -> Result<Self, ConfigError> {
         let camera = Camera::new(config.camera_settings())?;
-        let VirtualRobotConfig { seed, world, baud, clock_mhz, body, .. } = config;
+        let VirtualRobotConfig { seed, world, baud, body, .. } = config;
         let world = Arc::new(world);
         Ok(Self {
             now_ms: 0,
             camera: Arc::new(camera),
             frame: 0,
             line: Line::new(baud, seed),
-            motion: MotionController::new(ResetCause::PowerOn, 0).with_clock_mhz(clock_mhz),
-            camera_controller: CameraController::new(ResetCause::PowerOn, 0)
-                .with_clock_mhz(clock_mhz),
+            electronics,
             body: Body::new(body, seed, &world),
             head: Head::new(seed),
             power: Power::On,
             world,
         })
+    }
+
+    /// A second robot that goes on from here as this one does; none where the controllers run in a simulator of their
+    /// chips, which cannot be doubled.
+    pub fn try_clone(&self) -> Option<Self> {
+        Some(Self {
+            now_ms: self.now_ms,
+            world: Arc::clone(&self.world),
+            camera: Arc::clone(&self.camera),
+            frame: self.frame,
+            line: self.line.clone(),
+            electronics: self.electronics.try_clone()?,
+            body: self.body.clone(),
+            head: self.head.clone(),
+            power: self.power,
+        })
+    }
+
+    /// Why the simulator of the chips ended while the robot ran on it. The robot is then as one whose controllers are
+    /// dead: motors off, silent. None while all is well, and with the model always.
+    pub fn failure(&self) -> Option<&FirmwareError> {
+        self.electronics.failure()
     }
 
     /// Virtual time in ms since the robot was made.
@@ -117,7 +146,7 @@ impl VirtualRobot {
 
     /// Whether bytes are on their way, either way.
     pub fn is_line_busy(&self) -> bool {
-        !self.line.is_idle()
+        !self.line.is_idle() || self.electronics.is_busy()
     }
 
     /// Moves the clock to `ms`; a time that has passed does nothing.
@@ -146,69 +175,15 @@ impl VirtualRobot {
     }
 
     fn advance_one_ms(&mut self) {
-        let end = self.line.units(self.now_ms + 1);
-        if !self.line.is_idle() {
-            self.carry_bytes(end);
-        }
-        if self.power.is_on() {
-            let inputs = self.inputs();
-            self.motion.tick(inputs);
-            self.camera_controller.tick(inputs);
-            self.start_transmitters(end);
-        }
+        let (inputs, is_powered) = (self.inputs(), self.power.is_on());
+        self.electronics.run_ms(&mut self.line, self.now_ms, inputs, is_powered);
         let pins = self.motors();
         self.body.step(pins, &self.world);
-        if self.power.is_on() {
-            self.head.step(self.camera_controller.outputs());
+        if is_powered {
+            self.head.step(self.electronics.servos());
         }
         self.now_ms += 1;
         self.watch_supply();
-    }
-
-    fn carry_bytes(&mut self, end: u64) {
-        while let Some((now, event)) = self.line.next_event(end) {
-            match event {
-                LineEvent::ToRobot(heard) if self.power.is_on() => {
-                    for heard in heard.into_iter().flatten() {
-                        self.hear(heard);
-                    }
-                    let inputs = self.inputs();
-                    self.motion.main_routine(inputs);
-                    self.camera_controller.main_routine();
-                    self.start_transmitters(now);
-                }
-                LineEvent::ToRobot(_) => {}
-                LineEvent::Sent(_) => self.start_transmitters(now),
-            }
-        }
-    }
-
-    fn hear(&mut self, heard: Heard) {
-        match heard {
-            Heard::Byte(byte) => {
-                self.motion.receive_interrupt(byte);
-                self.camera_controller.receive_interrupt(byte);
-            }
-            Heard::FramingError => {
-                self.motion.receive_error(LineError::Framing);
-                self.camera_controller.receive_error(LineError::Framing);
-            }
-        }
-    }
-
-    fn start_transmitters(&mut self, now: u64) {
-        if self.motion.is_transmitting()
-            && self.line.can_transmit(MOTION)
-            && let Some(byte) = self.motion.transmit_interrupt()
-        {
-            self.line.transmit(MOTION, byte, now);
-        }
-        if self.camera_controller.is_transmitting()
-            && self.line.can_transmit(CAMERA)
-            && let Some(byte) = self.camera_controller.transmit_interrupt()
-        {
-            self.line.transmit(CAMERA, byte, now);
-        }
     }
 
     fn inputs(&self) -> Inputs {
@@ -231,25 +206,12 @@ impl VirtualRobot {
     fn come_back(&mut self) {
         let cause = self.power.reset_cause();
         self.power = Power::On;
-        self.motion.reset(cause);
-        self.camera_controller.reset(cause);
-        self.line.silence(MOTION);
-        self.line.silence(CAMERA);
+        self.electronics.reset(&mut self.line, cause);
     }
 
     /// The motors' pins as they stand now; all off while the controllers are held in reset.
     pub fn motors(&self) -> MotorPins {
-        let mut pins = MotorPins::default();
-        if self.power.is_on() {
-            for (index, output) in self.motion.motors().into_iter().enumerate() {
-                match output {
-                    MotorOutput::Off => {}
-                    MotorOutput::TowardsFirst => pins.towards_first |= 1 << index,
-                    MotorOutput::TowardsLast => pins.towards_last |= 1 << index,
-                }
-            }
-        }
-        pins
+        if self.power.is_on() { self.electronics.motors() } else { MotorPins::default() }
     }
 
     /// Where every joint truly is, in the order of the joints: 0 at the first position of the paper's Table 1, 1 at
@@ -273,14 +235,15 @@ impl VirtualRobot {
         self.head.angles()
     }
 
-    /// What the motion controller would report now.
+    /// What the motion controller would report now. Of a firmware in a simulator nobody knows more than it tells: there
+    /// it is the last report that it sent since its reset, and that of a fresh controller until it sends one.
     pub fn motion_report(&self) -> MotionReport {
-        self.motion.report()
+        self.electronics.motion_report()
     }
 
-    /// What the camera controller would report now.
+    /// What the camera controller would report now; of a firmware as for [`motion_report`](Self::motion_report).
     pub fn camera_report(&self) -> CameraReport {
-        self.camera_controller.report()
+        self.electronics.camera_report()
     }
 
     /// The world it stands in.

@@ -29,7 +29,7 @@ use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -65,6 +65,7 @@ pub struct SimulatorConfig {
 pub struct Simulator {
     robot: SharedRobot,
     stop: Arc<AtomicBool>,
+    lost_ms: Arc<AtomicU64>,
     threads: Vec<JoinHandle<()>>,
     link: Option<PathBuf>,
     terminal: Option<PathBuf>,
@@ -101,6 +102,7 @@ impl Simulator {
         let mut simulator = Self {
             robot: SharedRobot::new(VirtualRobot::new(config.robot)?),
             stop: Arc::default(),
+            lost_ms: Arc::default(),
             threads: Vec::new(),
             link: config.pty.clone(),
             terminal: None,
@@ -149,6 +151,7 @@ impl Simulator {
             simulator.robot.clone(),
             config.clock,
             Arc::clone(&simulator.stop),
+            Arc::clone(&simulator.lost_ms),
             move |bytes| hub.broadcast(bytes),
         ));
         Ok(simulator)
@@ -157,6 +160,12 @@ impl Simulator {
     /// The robot itself.
     pub fn robot(&self) -> &SharedRobot {
         &self.robot
+    }
+
+    /// Virtual ms that a paced clock had to let go so far, because the simulation is slower than it: the robot lives
+    /// more slowly then, and works.
+    pub fn lost_ms(&self) -> u64 {
+        self.lost_ms.load(Ordering::Relaxed)
     }
 
     /// The symbolic link to the pseudo-terminal.

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use super::names::{ArmName, BumperName, ControllerName, JointName};
 use crate::body::{Contact, Drain, HIGHEST_MV};
 use crate::line::LineFaults;
-use crate::robot::VirtualRobot;
+use crate::robot::{NotWithFirmware, VirtualRobot};
 
 /// The farthest the clock is moved by one request, in ms: an hour.
 const ADVANCE_MS_MAX: u64 = 3_600_000;
@@ -208,7 +208,10 @@ impl ControlRequest {
     }
 
     /// Does what the request says; a question changes nothing.
-    pub fn apply(&self, robot: &mut VirtualRobot) {
+    ///
+    /// # Errors
+    /// [`NotWithFirmware`] where only a model can be treated so.
+    pub fn apply(&self, robot: &mut VirtualRobot) -> Result<(), NotWithFirmware> {
         match *self {
             Self::Press { press, held } => robot.press_bumper(press.index(), held),
             Self::Bumper { bumper, contact } => robot.set_bumper(bumper.index(), contact),
@@ -228,7 +231,7 @@ impl ControlRequest {
             Self::Supply { supply_mv } => robot.set_supply_mv(supply_mv),
             Self::MotorSupply { motor_supply_mv } => robot.set_motor_supply_mv(motor_supply_mv),
             Self::Drain { drain } => robot.set_drain(drain),
-            Self::Hang { hang } => robot.hang(hang.0),
+            Self::Hang { hang } => robot.hang(hang.0)?,
             Self::Power { power } => match power {
                 PowerSwitch::Off => robot.power_off(),
                 PowerSwitch::On => robot.power_on(),
@@ -238,6 +241,7 @@ impl ControlRequest {
             Self::Advance { advance_ms } => robot.advance_to(robot.now_ms() + advance_ms),
             Self::Get { .. } => {}
         }
+        Ok(())
     }
 }
 

@@ -166,10 +166,13 @@ fn answer(stream: &mut impl Write, line: &[u8], robot: &SharedRobot) -> io::Resu
     };
     let ControlRequest::Get { get } = request else {
         let mut robot = robot.lock();
-        request.apply(&mut robot);
+        let applied = request.apply(&mut robot);
         let done_at_ms = robot.now_ms();
         drop(robot);
-        return write_line(stream, &json!({ "done_at_ms": done_at_ms }));
+        return match applied {
+            Ok(()) => write_line(stream, &json!({ "done_at_ms": done_at_ms })),
+            Err(error) => write_line(stream, &json!({ "error": error.to_string() })),
+        };
     };
     match get {
         Subject::State => write_line(stream, &robot.reading()),

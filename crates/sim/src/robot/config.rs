@@ -2,11 +2,22 @@
 
 use crate::body::BodyConfig;
 use crate::camera::{CameraError, CameraSettings};
+use crate::firmware::{FirmwareConfig, FirmwareError};
 use crate::line::BAUD;
 use crate::world::World;
 
 /// Clocks the firmware may be built for, in MHz.
 const CLOCKS_MHZ: [u8; 4] = [4, 10, 20, 40];
+
+/// What runs in place of the two chips.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Controllers {
+    /// The firmware's reference model.
+    #[default]
+    Model,
+    /// The firmware itself, as it is flashed, in a simulator of the chips.
+    Firmware(FirmwareConfig),
+}
 
 /// Everything that makes one virtual robot differ from another.
 #[derive(Debug, Clone)]
@@ -17,8 +28,10 @@ pub struct VirtualRobotConfig {
     pub world: World,
     /// Speed of the line in bit/s, within [`BAUD`].
     pub baud: u32,
-    /// Clock of both controllers in MHz: 4, 10, 20 or 40.
+    /// Clock of both controllers in MHz: 4, 10, 20 or 40. A firmware has the one it was built for instead.
     pub clock_mhz: u8,
+    /// What runs in place of the two chips.
+    pub controllers: Controllers,
     /// Size, blur and noise of pictures. Its own seed is combined with `seed`.
     pub camera: CameraSettings,
     /// The body and where it starts.
@@ -26,13 +39,14 @@ pub struct VirtualRobotConfig {
 }
 
 impl Default for VirtualRobotConfig {
-    /// Seed 1, the demo world, 57600 baud, 40 MHz, a webcam's pictures.
+    /// Seed 1, the demo world, 57600 baud, 40 MHz, the model, a webcam's pictures.
     fn default() -> Self {
         Self {
             seed: 1,
             world: World::demo(),
             baud: 57_600,
             clock_mhz: 40,
+            controllers: Controllers::default(),
             camera: CameraSettings::default(),
             body: BodyConfig::default(),
         }
@@ -46,6 +60,9 @@ impl VirtualRobotConfig {
         }
         if !CLOCKS_MHZ.contains(&self.clock_mhz) {
             return Err(ConfigError::Clock { clock_mhz: self.clock_mhz });
+        }
+        if let Controllers::Firmware(firmware) = &self.controllers {
+            firmware.check(self.baud)?;
         }
         Ok(())
     }
@@ -74,4 +91,7 @@ pub enum ConfigError {
     /// A camera setting out of range.
     #[error("the camera: {0}")]
     Camera(#[from] CameraError),
+    /// The firmware does not run.
+    #[error(transparent)]
+    Firmware(#[from] FirmwareError),
 }

@@ -1,9 +1,8 @@
 //! Faults, and hands that reach in from outside.
 
-use rsapien_firmware_model::Controller;
 use rsapien_protocol::{Address, Direction, Joint};
 
-use super::{Power, VirtualRobot};
+use super::{NotWithFirmware, Power, VirtualRobot};
 use crate::body::{Contact, Drain};
 use crate::line::LineFaults;
 
@@ -70,11 +69,11 @@ impl VirtualRobot {
     }
 
     /// Hangs the main routine of a controller until its watchdog resets it.
-    pub fn hang(&mut self, controller: Address) {
-        match controller {
-            Address::Motion => self.motion.hang(),
-            Address::Camera => self.camera_controller.hang(),
-        }
+    ///
+    /// # Errors
+    /// [`NotWithFirmware`]: the firmware itself gives no hold to hang it by.
+    pub fn hang(&mut self, controller: Address) -> Result<(), NotWithFirmware> {
+        self.electronics.hang(controller)
     }
 
     /// Lets the supply of both controllers sag for a moment: they are reset with the brown-out as cause.

@@ -1,6 +1,5 @@
 //! The truth about a robot as one reading, for tests and for other programs.
 
-use rsapien_firmware_model::Controller;
 use rsapien_protocol::Joint;
 use serde::{Deserialize, Serialize};
 
@@ -30,9 +29,9 @@ pub struct RobotReading {
     pub time_ms: u64,
     /// Whether the controllers run.
     pub power: Power,
-    /// Mode of the motion controller, such as `idle`.
+    /// Mode of the motion controller, such as `idle`; of a firmware in a simulator, as it last told it on the line.
     pub motion_mode: String,
-    /// Mode of the camera controller.
+    /// Mode of the camera controller, as for the motion controller.
     pub camera_mode: String,
     /// Every joint, in the order of the link.
     pub joints: Vec<JointReading>,
@@ -58,8 +57,8 @@ impl VirtualRobot {
         RobotReading {
             time_ms: self.now_ms,
             power: self.power,
-            motion_mode: self.motion.mode().name().to_owned(),
-            camera_mode: self.camera_controller.mode().name().to_owned(),
+            motion_mode: self.motion_report().mode.name().to_owned(),
+            camera_mode: self.camera_report().mode.name().to_owned(),
             joints: Joint::ALL.map(|joint| self.joint_reading(joint)).into(),
             bumpers: self.body.bumpers().names().map(str::to_owned).collect(),
             middle_switches: self.body.middle_switches(),

@@ -297,7 +297,7 @@ fn resets_of_every_cause_are_told_and_close_the_session() {
     assert_eq!(pair.state().cause, StopCause::PowerOn);
     pair.robot.brown_out();
     assert_eq!(pair.state().cause, StopCause::BrownOut);
-    pair.robot.hang(Address::Motion);
+    pair.robot.hang(Address::Motion).expect("the model hangs");
     let later_ms = pair.robot.now_ms() + 1000;
     pair.robot.advance_to(later_ms);
     let report = pair.state();
@@ -461,7 +461,7 @@ proptest::proptest! {
                 Happening::Put(x_m, y_m, heading_rad) => robot.put_at(x_m, y_m, heading_rad),
                 Happening::Supply(millivolts) => robot.set_supply_mv(millivolts),
                 Happening::MotorSupply(millivolts) => robot.set_motor_supply_mv(millivolts),
-                Happening::Hang(controller) => robot.hang(controller),
+                Happening::Hang(controller) => robot.hang(controller).expect("the model hangs"),
                 Happening::PowerCycle => robot.power_cycle(),
                 Happening::BrownOut => robot.brown_out(),
             }

@@ -38,9 +38,16 @@ struct joints joints;
 #define NAMED(pose, shift) (((pose) & (uint8_t)(3u << (shift))) != 0u)
 #define HAS(byte, joint) (((byte) & (uint8_t)(1u << (joint))) != 0u)
 
-static void reset_drive(uint8_t joint, uint16_t full_travel_ms)
+static void set_full_travel(uint8_t joint, uint16_t full_travel_ms)
 {
     joints.drive[joint].full_travel_ms = full_travel_ms;
+    joints.drive[joint].middle_ms = (uint16_t)(full_travel_ms >> 1);
+    joints.drive[joint].overrun_ms = (uint16_t)(full_travel_ms >> OVERRUN_SHIFT);
+}
+
+static void reset_drive(uint8_t joint, uint16_t full_travel_ms)
+{
+    set_full_travel(joint, full_travel_ms);
     joints.drive[joint].position_ms = 0;
 }
 
@@ -56,6 +63,8 @@ void joints_reset(void)
     joints_stop();
     joints.motors.driven_first = 0;
     joints.motors.driven_last = 0;
+    joints.motors.start_first = 0;
+    joints.motors.start_last = 0;
     joints.pose_reached_low = 0;
     joints.pose_reached_high = 0;
     joints.switches_closed = 0;
@@ -72,6 +81,27 @@ void joints_drive_pins(void)
 
     port_motors((uint8_t)(joints.motors.towards_first & on),
                 (uint8_t)(joints.motors.towards_last & on));
+}
+
+/* Switches the motors on that were started. One whose sense turns rests until the next tick. */
+static void joints_start(void)
+{
+    uint8_t first = joints.motors.start_first;
+    uint8_t last = joints.motors.start_last;
+    uint8_t others = (uint8_t) ~(first | last);
+    uint8_t turning = (uint8_t)((first & joints.motors.driven_last) |
+                                (last & joints.motors.driven_first));
+
+    if ((first | last) == 0u) {
+        return;
+    }
+    joints.motors.towards_first = (uint8_t)((joints.motors.towards_first & others) | first);
+    joints.motors.towards_last = (uint8_t)((joints.motors.towards_last & others) | last);
+    joints.motors.dead_time = (uint8_t)((joints.motors.dead_time & others) | turning);
+    joints.motors.driven_first |= (uint8_t)(first & (uint8_t)~turning);
+    joints.motors.driven_last |= (uint8_t)(last & (uint8_t)~turning);
+    joints.motors.start_first = 0;
+    joints.motors.start_last = 0;
 }
 
 void joints_advance(void)
@@ -103,6 +133,7 @@ void joints_advance(void)
     if (HAS(driven, 6)) {
         advance_6();
     }
+    joints_start();
 }
 
 void joints_send(void)
@@ -128,6 +159,7 @@ void joints_send(void)
     if (NAMED(step.pose_high, 4)) {
         send_6();
     }
+    joints_start();
 }
 
 void joints_switches_changed(uint8_t switches_closed)
@@ -152,6 +184,7 @@ void joints_home(void)
     home_4();
     home_5();
     home_6();
+    joints_start();
 }
 
 void joints_stop(void)
@@ -185,5 +218,5 @@ void joints_configure(uint8_t joint, uint16_t full_travel_ms)
 {
     joints.drive[joint].position_ms = scaled(joints.drive[joint].position_ms, full_travel_ms,
                                              joints.drive[joint].full_travel_ms);
-    joints.drive[joint].full_travel_ms = full_travel_ms;
+    set_full_travel(joint, full_travel_ms);
 }

@@ -60,6 +60,8 @@ struct joint_drive {
     enum joint_state state;
     uint8_t target; /* an enum position, where the joint's bits are in a pose word */
     uint16_t full_travel_ms;
+    uint16_t middle_ms;  /* half of it, */
+    uint16_t overrun_ms; /* an eighth of it: both kept, since a PIC18 shifts slowly */
     uint16_t position_ms;
     uint16_t remaining_ms; /* ticks until the movement under way ends */
 };
@@ -71,6 +73,8 @@ struct motors {
     uint8_t dead_time;     /* both outputs stay off until the next tick */
     uint8_t driven_first;  /* on the pins last, in the present tick or the one before; */
     uint8_t driven_last;   /* in neither: off for a whole tick */
+    uint8_t start_first;   /* to be switched on when all joints have been looked at */
+    uint8_t start_last;
 };
 
 struct joints {

@@ -27,9 +27,6 @@
 #define POSE_MASK ((uint8_t)(3u << POSE_SHIFT))
 #define POSE_OF(position) ((uint8_t)((uint8_t)(position) << POSE_SHIFT))
 
-#define OVERRUN_MS ((uint16_t)(DRIVE.full_travel_ms >> OVERRUN_SHIFT))
-#define MIDDLE_MS ((uint16_t)(DRIVE.full_travel_ms >> 1))
-
 static void NAME(stop)(void)
 {
     joints.motors.towards_first &= NOT_BIT;
@@ -44,63 +41,47 @@ static void NAME(arrive)(void)
     POSE_REACHED = (uint8_t)((POSE_REACHED & (uint8_t)~POSE_MASK) | DRIVE.target);
 }
 
+/* The motor's bits follow for all joints at once, in joints_start(). */
 static void NAME(start_towards_first)(void)
 {
-    joints.motors.towards_first |= BIT;
-    joints.motors.towards_last &= NOT_BIT;
-    if ((joints.motors.driven_last & BIT) != 0u) {
-        joints.motors.dead_time |= BIT;
-    } else {
-        joints.motors.dead_time &= NOT_BIT;
-        joints.motors.driven_first |= BIT;
-    }
+    joints.motors.start_first |= BIT;
     POSE_REACHED &= (uint8_t)~POSE_MASK;
 }
 
 static void NAME(start_towards_last)(void)
 {
-    joints.motors.towards_last |= BIT;
-    joints.motors.towards_first &= NOT_BIT;
-    if ((joints.motors.driven_first & BIT) != 0u) {
-        joints.motors.dead_time |= BIT;
-    } else {
-        joints.motors.dead_time &= NOT_BIT;
-        joints.motors.driven_last |= BIT;
-    }
+    joints.motors.start_last |= BIT;
     POSE_REACHED &= (uint8_t)~POSE_MASK;
 }
 
 static void NAME(go_to_middle)(void)
 {
-    uint16_t middle_ms = MIDDLE_MS;
-    bool is_before = DRIVE.position_ms < middle_ms;
-    uint16_t way_ms;
-    bool is_there;
+    bool is_before = DRIVE.position_ms < DRIVE.middle_ms;
 
+    DRIVE.state = JOINT_STATE_TRAVELLING;
     if (is_before) {
-        way_ms = (uint16_t)(middle_ms - DRIVE.position_ms);
+        DRIVE.remaining_ms = (uint16_t)(DRIVE.middle_ms - DRIVE.position_ms);
     } else {
-        way_ms = (uint16_t)(DRIVE.position_ms - middle_ms);
+        DRIVE.remaining_ms = (uint16_t)(DRIVE.position_ms - DRIVE.middle_ms);
     }
 #ifdef JOINT_SWITCH
     /* A closed switch far from the reckoned middle is stuck: it is not believed. */
-    is_there = ((joints.switches_closed & JOINT_SWITCH) != 0u) && (way_ms <= OVERRUN_MS);
-#else
-    is_there = (way_ms == 0u);
-#endif
-    if (is_there) {
+    if (((joints.switches_closed & JOINT_SWITCH) != 0u) &&
+        (DRIVE.remaining_ms <= DRIVE.overrun_ms)) {
         NAME(arrive)();
         return;
     }
-    DRIVE.state = JOINT_STATE_TRAVELLING;
-#ifdef JOINT_SWITCH
-    if (way_ms == 0u) {
+    if (DRIVE.remaining_ms == 0u) {
         DRIVE.state = JOINT_STATE_SEARCHING;
-        way_ms = OVERRUN_MS;
+        DRIVE.remaining_ms = DRIVE.overrun_ms;
         is_before = true;
     }
+#else
+    if (DRIVE.remaining_ms == 0u) {
+        NAME(arrive)();
+        return;
+    }
 #endif
-    DRIVE.remaining_ms = way_ms;
     if (is_before) {
         NAME(start_towards_last)();
     } else {
@@ -111,12 +92,13 @@ static void NAME(go_to_middle)(void)
 /* The way to the end stop that the joint is going to, from where it is. */
 static void NAME(reckon_way_to_first)(void)
 {
-    DRIVE.remaining_ms = (uint16_t)(DRIVE.position_ms + OVERRUN_MS);
+    DRIVE.remaining_ms = (uint16_t)(DRIVE.position_ms + DRIVE.overrun_ms);
 }
 
 static void NAME(reckon_way_to_last)(void)
 {
-    DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms - DRIVE.position_ms + OVERRUN_MS);
+    DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms - DRIVE.position_ms);
+    DRIVE.remaining_ms += DRIVE.overrun_ms;
 }
 
 /* Sets out for the target from where the joint is. */
@@ -157,7 +139,7 @@ static void NAME(home)(void)
 {
     DRIVE.target = POSE_OF(POSITION_MIDDLE);
     DRIVE.state = JOINT_STATE_HOMING;
-    DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms + OVERRUN_MS);
+    DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms + DRIVE.overrun_ms);
     NAME(start_towards_first)();
 }
 
@@ -168,11 +150,11 @@ static void NAME(travel_ended)(void)
     } else if (DRIVE.target == POSE_OF(POSITION_LAST)) {
         DRIVE.position_ms = DRIVE.full_travel_ms;
     } else {
-        DRIVE.position_ms = MIDDLE_MS;
+        DRIVE.position_ms = DRIVE.middle_ms;
 #ifdef JOINT_SWITCH
         if ((joints.switches_closed & JOINT_SWITCH) == 0u) {
             DRIVE.state = JOINT_STATE_SEARCHING;
-            DRIVE.remaining_ms = OVERRUN_MS;
+            DRIVE.remaining_ms = DRIVE.overrun_ms;
             return;
         }
 #endif
@@ -184,7 +166,7 @@ static void NAME(travel_ended)(void)
 static void NAME(search_back)(void)
 {
     DRIVE.state = JOINT_STATE_SEARCHING_BACK;
-    DRIVE.remaining_ms = (uint16_t)(2u * OVERRUN_MS);
+    DRIVE.remaining_ms = (uint16_t)(2u * DRIVE.overrun_ms);
     if ((joints.motors.towards_last & BIT) != 0u) {
         NAME(start_towards_first)();
     } else {
@@ -233,13 +215,12 @@ static void NAME(advance)(void)
 /* Whether a change of the switch is believed: not far from where it ought to be. */
 static bool NAME(is_near_middle)(void)
 {
-    uint16_t middle_ms = MIDDLE_MS;
     uint16_t way_ms;
 
-    if (DRIVE.position_ms < middle_ms) {
-        way_ms = (uint16_t)(middle_ms - DRIVE.position_ms);
+    if (DRIVE.position_ms < DRIVE.middle_ms) {
+        way_ms = (uint16_t)(DRIVE.middle_ms - DRIVE.position_ms);
     } else {
-        way_ms = (uint16_t)(DRIVE.position_ms - middle_ms);
+        way_ms = (uint16_t)(DRIVE.position_ms - DRIVE.middle_ms);
     }
     return way_ms <= (uint16_t)(DRIVE.full_travel_ms >> BELIEVED_SHIFT);
 }
@@ -257,9 +238,9 @@ static void NAME(switch_changed)(void)
         return;
     }
     if (is_towards_last == is_closed) {
-        DRIVE.position_ms = (uint16_t)(MIDDLE_MS - half_window_ms);
+        DRIVE.position_ms = (uint16_t)(DRIVE.middle_ms - half_window_ms);
     } else {
-        DRIVE.position_ms = (uint16_t)(MIDDLE_MS + half_window_ms);
+        DRIVE.position_ms = (uint16_t)(DRIVE.middle_ms + half_window_ms);
     }
     if (is_to_middle) {
         NAME(arrive)();
@@ -282,7 +263,5 @@ static void NAME(switch_changed)(void)
 #undef POSE_SHIFT
 #undef POSE_MASK
 #undef POSE_OF
-#undef OVERRUN_MS
-#undef MIDDLE_MS
 #undef JOINT
 #undef JOINT_SWITCH

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "chip.h"
+
+#include <cstdio>
+
+#include <gpsim/clock_phase.h>
+#include <gpsim/eeprom.h>
+#include <gpsim/gpsim_time.h>
+#include <gpsim/hexutils.h>
+#include <gpsim/interface.h>
+#include <gpsim/pic-processor.h>
+#include <gpsim/sim_context.h>
+
+#include "failure.h"
+#include "hex_image.h"
+#include "reset_values.h"
+
+namespace bridge {
+namespace {
+
+constexpr unsigned rcon_address = 0xFD0;
+constexpr unsigned t1con_address = 0xFCD, t3con_address = 0xFB1;
+constexpr unsigned rcon_priority_enable = 0x80;
+constexpr unsigned rcon_after_brown_out = 0x1E;  // RI, TO, PD, POR 1; BOR 0; IPEN 0
+
+const char *name_of(RESET_TYPE type) {
+    switch (type) {
+    case POR_RESET:
+        return "power-on";
+    case WDT_RESET:
+        return "watchdog";
+    case MCLR_RESET:
+        return "mclr";
+    case SOFT_RESET:
+        return "instruction";
+    case BOD_RESET:
+        return "brown-out";
+    case STKUNF_RESET:
+        return "stack-underflow";
+    case STKOVF_RESET:
+        return "stack-overflow";
+    default:
+        return "other";
+    }
+}
+
+std::string hexadecimal(unsigned value) {
+    char text[16];
+    std::snprintf(text, sizeof text, "0x%X", value);
+    return text;
+}
+
+}  // namespace
+
+/// gpsim has no hook that tells a reset, but it resets each register of the data memory: this one
+/// takes the place of an unimplemented address, behaves like it otherwise and tells the cause.
+class ResetProbe : public InvalidRegister {
+public:
+    ResetProbe(pic_processor *processor, Events &events)
+        : InvalidRegister(processor, "reset-probe"), processor_(processor), events_(events) {
+        for (unsigned i = 0; i < processor->rma.get_size(); ++i) {
+            if (processor->registers[i]->isa() == INVALID_REGISTER) {
+                address = i;
+                replaced_ = processor->registers[i];
+                processor->registers[i] = this;
+                return;
+            }
+        }
+        throw Failure("the processor has no free data address to see resets with");
+    }
+
+    ~ResetProbe() override { processor_->registers[address] = replaced_; }
+
+    void reset(RESET_TYPE type) override {
+        // The second half of MCLR, when the pin is released, is no reset of its own.
+        if (type == EXIT_RESET) {
+            return;
+        }
+        events_.tell("reset", get_cycles().get(), name_of(type));
+        Register *rcon = processor_->registers[rcon_address];
+        rcon->put_value(rcon->get_value() & ~rcon_priority_enable);
+    }
+
+private:
+    pic_processor *processor_;
+    Events &events_;
+    Register *replaced_ = nullptr;
+};
+
+Chip::Chip(const Options &options, Events &events) : events_(events) {
+    const HexImage image(options.hex);
+    initialize_gpsim_core();
+    initialization_is_complete();
+    if (ProcessorConstructor::GetList()->findByType(options.processor.c_str()) == nullptr) {
+        throw Failure("gpsim knows no processor '" + options.processor + "'");
+    }
+    Processor *added = CSimulationContext::GetContext()->add_processor(options.processor.c_str(), "chip");
+    processor_ = dynamic_cast<pic_processor *>(added);
+    if (processor_ == nullptr || processor_->base_isa() != _PIC18_PROCESSOR_) {
+        throw Failure("the processor '" + options.processor + "' is no PIC18");
+    }
+    image.check_fits(processor_->program_memory_size() * 2,
+                     processor_->eeprom != nullptr ? processor_->eeprom->get_rom_size() : 0);
+
+    const std::string records = image.as_even_records();
+    const std::unique_ptr<FILE, int (*)(FILE *)> file(
+        fmemopen(const_cast<char *>(records.data()), records.size(), "r"), std::fclose);
+    IntelHexProgramFileType loader;
+    if (!file || loader.readihex16(processor_, file.get()) != ProgramFileType::SUCCESS) {
+        throw Failure("gpsim cannot load the image '" + options.hex + "'");
+    }
+    processor_->set_frequency(static_cast<double>(options.clock_hz));
+    processor_->setBreakOnReset(false);
+    correct_reset_values(*processor_);
+    processor_->reset(POR_RESET);
+    probe_ = std::make_unique<ResetProbe>(processor_, events_);
+}
+
+Chip::~Chip() = default;
+
+std::uint64_t Chip::cycle() { return get_cycles().get(); }
+
+void Chip::run() {
+    processor_->run(false);
+    stopped_because_ = "gpsim stopped at cycle " + std::to_string(cycle()) + ", program address " +
+                       hexadecimal(program_counter()) +
+                       ": an invalid instruction or memory that the chip has not";
+    events_.tell("halt", cycle(), hexadecimal(program_counter()));
+}
+
+unsigned Chip::read_register(std::uint64_t address) {
+    if (address >= processor_->rma.get_size() || processor_->registers[address]->isa() == Register::INVALID_REGISTER) {
+        throw Failure("the chip has no register at this address");
+    }
+    return processor_->rma.get_register(static_cast<unsigned>(address))->get_value();
+}
+
+void Chip::write_register(std::uint64_t address, std::uint64_t value) {
+    read_register(address);
+    if (value > 0xFF) {
+        throw Failure("a register holds 0 to 255");
+    }
+    processor_->rma.get_register(static_cast<unsigned>(address))->put_value(static_cast<unsigned>(value));
+}
+
+unsigned Chip::read_eeprom(std::uint64_t address) {
+    if (processor_->eeprom == nullptr || address >= processor_->eeprom->get_rom_size()) {
+        throw Failure("the chip has no EEPROM at this address");
+    }
+    return processor_->eeprom->get_rom()[address]->get_value();
+}
+
+void Chip::write_eeprom(std::uint64_t address, std::uint64_t value) {
+    read_eeprom(address);
+    if (value > 0xFF) {
+        throw Failure("an EEPROM byte holds 0 to 255");
+    }
+    processor_->eeprom->change_rom(static_cast<unsigned>(address), static_cast<unsigned>(value));
+}
+
+void Chip::reset(const std::string &cause) {
+    if (cause == "power-on") {
+        processor_->reset(POR_RESET);
+    } else if (cause == "mclr") {
+        processor_->reset(MCLR_RESET);
+        processor_->reset(EXIT_RESET);
+    } else if (cause == "brown-out") {
+        processor_->reset(BOD_RESET);
+        processor_->rma.get_register(rcon_address)->put_value(rcon_after_brown_out);
+        for (const unsigned address : {t1con_address, t3con_address}) {  // other resets leave these two running
+            processor_->rma.get_register(address)->put(0);
+        }
+    } else {
+        throw Failure("a reset is power-on, mclr or brown-out");
+    }
+    // Time may stand inside a two-cycle instruction; its second half would set the program counter.
+    processor_->mCurrentPhase->setNextPhase(processor_->mExecute1Cycle);
+    stopped_because_.clear();
+}
+
+unsigned Chip::program_counter() { return processor_->pma->get_PC(); }
+
+}  // namespace bridge

@@ -1,5 +1,7 @@
 //! Helpers for the tests across crates.
 
+pub mod firmware;
+
 use std::path::{Path, PathBuf};
 
 /// The top folder of the checkout.

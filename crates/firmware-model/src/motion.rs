@@ -131,6 +131,11 @@ impl MotionController {
         self.communication.command.session()
     }
 
+    /// The last sequence number executed in the open session; 0 when none was.
+    pub const fn last_sequence(&self) -> u8 {
+        self.communication.command.last_sequence()
+    }
+
     /// The counts that COUNTERS tells.
     pub const fn counters(&self) -> rsapien_protocol::CountersReport {
         self.communication.counters_report()

@@ -11,6 +11,31 @@
 
 struct joints joints;
 
+/* position * new / old, rounded down, for position <= old: long multiplication and long division
+ * at once, a bit of `new` a turn. What is left over stays below `old`, so 3 * TRAVEL_MS_MAX is the
+ * most that 16 bits ever hold here. */
+static uint16_t scaled(uint16_t position_ms, uint16_t new_travel_ms, uint16_t old_travel_ms)
+{
+    uint16_t factor = new_travel_ms;
+    uint16_t quotient = 0;
+    uint16_t left_over = 0;
+    uint8_t bits;
+
+    for (bits = 0; bits < 16u; bits++) {
+        quotient = (uint16_t)(quotient << 1);
+        left_over = (uint16_t)(left_over << 1);
+        if ((factor & 0x8000u) != 0u) {
+            left_over += position_ms;
+        }
+        factor = (uint16_t)(factor << 1);
+        while (left_over >= old_travel_ms) {
+            left_over -= old_travel_ms;
+            quotient++;
+        }
+    }
+    return quotient;
+}
+
 #define JOINT 0
 #define JOINT_SWITCH SWITCH_RIGHT
 #include "joint_routines.h"
@@ -38,28 +63,15 @@ struct joints joints;
 #define NAMED(pose, shift) (((pose) & (uint8_t)(3u << (shift))) != 0u)
 #define HAS(byte, joint) (((byte) & (uint8_t)(1u << (joint))) != 0u)
 
-static void set_full_travel(uint8_t joint, uint16_t full_travel_ms)
-{
-    joints.drive[joint].full_travel_ms = full_travel_ms;
-    joints.drive[joint].middle_ms = (uint16_t)(full_travel_ms >> 1);
-    joints.drive[joint].overrun_ms = (uint16_t)(full_travel_ms >> OVERRUN_SHIFT);
-}
-
-static void reset_drive(uint8_t joint, uint16_t full_travel_ms)
-{
-    set_full_travel(joint, full_travel_ms);
-    joints.drive[joint].position_ms = 0;
-}
-
 void joints_reset(void)
 {
-    reset_drive(JOINT_RIGHT_ARM, FULL_TRAVEL_MS_RIGHT_ARM);
-    reset_drive(JOINT_LEFT_ARM, FULL_TRAVEL_MS_LEFT_ARM);
-    reset_drive(JOINT_RIGHT_HAND, FULL_TRAVEL_MS_RIGHT_HAND);
-    reset_drive(JOINT_LEFT_HAND, FULL_TRAVEL_MS_LEFT_HAND);
-    reset_drive(JOINT_TILT, FULL_TRAVEL_MS_TILT);
-    reset_drive(JOINT_RIGHT_LEG, FULL_TRAVEL_MS_RIGHT_LEG);
-    reset_drive(JOINT_LEFT_LEG, FULL_TRAVEL_MS_LEFT_LEG);
+    reset_0(FULL_TRAVEL_MS_RIGHT_ARM);
+    reset_1(FULL_TRAVEL_MS_LEFT_ARM);
+    reset_2(FULL_TRAVEL_MS_RIGHT_HAND);
+    reset_3(FULL_TRAVEL_MS_LEFT_HAND);
+    reset_4(FULL_TRAVEL_MS_TILT);
+    reset_5(FULL_TRAVEL_MS_RIGHT_LEG);
+    reset_6(FULL_TRAVEL_MS_LEFT_LEG);
     joints_stop();
     joints.motors.driven_first = 0;
     joints.motors.driven_last = 0;
@@ -194,29 +206,29 @@ void joints_stop(void)
     joints.motors.dead_time = 0;
 }
 
-/* a * b / c for a <= c, which fits in 16 bits. Long division by hand: the compiler's own is three
- * times as long, and this runs with the timer interrupt waiting. */
-static uint16_t scaled(uint16_t a, uint16_t b, uint16_t c)
-{
-    uint32_t remainder = (uint32_t)a * b;
-    uint32_t divisor = (uint32_t)c << 16;
-    uint16_t quotient = 0;
-    uint8_t bits;
-
-    for (bits = 0; bits < 16u; bits++) {
-        divisor >>= 1;
-        quotient = (uint16_t)(quotient << 1);
-        if (remainder >= divisor) {
-            remainder -= divisor;
-            quotient |= 1u;
-        }
-    }
-    return quotient;
-}
-
 void joints_configure(uint8_t joint, uint16_t full_travel_ms)
 {
-    joints.drive[joint].position_ms = scaled(joints.drive[joint].position_ms, full_travel_ms,
-                                             joints.drive[joint].full_travel_ms);
-    set_full_travel(joint, full_travel_ms);
+    switch (joint) {
+    case JOINT_RIGHT_ARM:
+        configure_0(full_travel_ms);
+        break;
+    case JOINT_LEFT_ARM:
+        configure_1(full_travel_ms);
+        break;
+    case JOINT_RIGHT_HAND:
+        configure_2(full_travel_ms);
+        break;
+    case JOINT_LEFT_HAND:
+        configure_3(full_travel_ms);
+        break;
+    case JOINT_TILT:
+        configure_4(full_travel_ms);
+        break;
+    case JOINT_RIGHT_LEG:
+        configure_5(full_travel_ms);
+        break;
+    default:
+        configure_6(full_travel_ms);
+        break;
+    }
 }

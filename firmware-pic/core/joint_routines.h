@@ -27,6 +27,26 @@
 #define POSE_MASK ((uint8_t)(3u << POSE_SHIFT))
 #define POSE_OF(position) ((uint8_t)((uint8_t)(position) << POSE_SHIFT))
 
+static void NAME(set_full_travel)(uint16_t full_travel_ms)
+{
+    DRIVE.full_travel_ms = full_travel_ms;
+    DRIVE.middle_ms = (uint16_t)(full_travel_ms >> 1);
+    DRIVE.overrun_ms = (uint16_t)(full_travel_ms >> OVERRUN_SHIFT);
+}
+
+static void NAME(reset)(uint16_t full_travel_ms)
+{
+    NAME(set_full_travel)(full_travel_ms);
+    DRIVE.position_ms = 0;
+}
+
+/* Takes a new full travel time; the position keeps its place between the end stops. */
+static void NAME(configure)(uint16_t full_travel_ms)
+{
+    DRIVE.position_ms = scaled(DRIVE.position_ms, full_travel_ms, DRIVE.full_travel_ms);
+    NAME(set_full_travel)(full_travel_ms);
+}
+
 static void NAME(stop)(void)
 {
     joints.motors.towards_first &= NOT_BIT;

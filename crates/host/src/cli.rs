@@ -8,6 +8,7 @@ mod cmd;
 mod context;
 mod diagnostics;
 mod exit;
+mod firmware;
 mod output;
 mod performance;
 mod registry;

@@ -112,3 +112,35 @@ fn a_session_of_commands_on_a_simulated_serial_port() {
     assert_eq!(simulator.child.wait().unwrap().code(), Some(0));
     assert!(!user.path("robot").exists() && !user.path("robot.control").exists());
 }
+
+#[test]
+fn a_firmware_that_cannot_run_is_refused_with_what_to_do() {
+    let user = User::new();
+    let sim = |options: &[&str]| {
+        let mut all = vec!["sim", "--tcp", "0"];
+        all.extend(options);
+        user.expect(2, &all)
+    };
+    // Nothing is there: a user outside a clone.
+    sim(&["--firmware"]).told(&["no firmware in firmware-pic/hex", "name the folder"]);
+    sim(&["--simulator", "x"]).told(&["--firmware"]);
+    std::fs::create_dir(user.path("hex")).unwrap();
+    sim(&["--firmware", "hex"]).told(&["motion controller for 57600 baud in hex", "rsapien-*.hex"]);
+    for image in ["motion-18f452", "camera-18f2320"] {
+        std::fs::write(user.path(&format!("hex/rsapien-{image}-40mhz-57600.hex")), "").unwrap();
+    }
+    sim(&["--firmware", "hex", "--baud", "115200"]).told(&["115200 baud", "--baud 57600"]);
+    sim(&["--firmware", "hex", "--simulator", "./gone"]).told(&[
+        "./gone",
+        "does not start",
+        "make -C firmware-pic/sim",
+    ]);
+    // The variable names the simulator, too.
+    let mut command = user.command(&["demo", "--firmware", "hex", "--fast"]);
+    let output = command.env("RSAPIEN_GPSIM", "/bin/false").output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("motion controller's chip has ended"), "{told}");
+    user.expect(2, &["demo", "--firmware", "hex", "--link", "tcp://127.0.0.1:1"])
+        .told(&["--firmware", "rsapien sim --firmware"]);
+}

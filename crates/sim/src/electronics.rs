@@ -58,6 +58,9 @@ pub(crate) trait Electronics: Debug + Send {
     /// Whether bytes are on their way that the line does not know of.
     fn is_busy(&self) -> bool;
 
+    /// Whether a firmware runs in a simulator of its chips, which takes about as long as the robot itself.
+    fn is_firmware(&self) -> bool;
+
     /// Why the controllers are dead for good; none while they work.
     fn failure(&self) -> Option<&FirmwareError>;
 

@@ -135,11 +135,13 @@ impl Firmware {
         motion.begin_ms()?;
         camera.begin_ms()?;
         let mut sent = Vec::new();
+        let told = &mut self.told;
         let mut take = |controller, ended_at, cycles_per_ms, happened| {
             let (cycle, heard) = match happened {
                 Happened::Sent { cycle, byte } => (cycle, Heard::Byte(byte)),
                 Happened::Framing { cycle } => (cycle, Heard::FramingError),
-                Happened::Edge { .. } => return,
+                Happened::Reset { cause } => return told.restart(controller, cause),
+                Happened::Edge { .. } | Happened::Other => return,
             };
             let units_ago = u64::saturating_sub(ended_at, cycle) * units_per_ms / cycles_per_ms;
             sent.push(Sent { at: start + units_per_ms - units_ago, controller, heard });
@@ -150,10 +152,10 @@ impl Firmware {
         }
         let cycles_per_ms = camera.cycles_per_ms();
         for happened in camera.end_ms()? {
-            if let Happened::Edge { cycle, pin, level } = happened {
-                if let Some(servo) = self.servos.get_mut(pin) {
-                    servo.edge(cycle, level);
-                }
+            if let Happened::Edge { cycle, pin, level } = happened
+                && let Some(servo) = self.servos.get_mut(pin)
+            {
+                servo.edge(cycle, level);
             }
             take(CAMERA, camera.cycle(), cycles_per_ms, happened);
         }
@@ -265,6 +267,10 @@ impl Electronics for Firmware {
 
     fn is_busy(&self) -> bool {
         self.is_busy
+    }
+
+    fn is_firmware(&self) -> bool {
+        true
     }
 
     fn failure(&self) -> Option<&FirmwareError> {

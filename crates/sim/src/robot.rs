@@ -123,6 +123,12 @@ impl VirtualRobot {
         })
     }
 
+    /// Whether the firmware itself runs in a simulator of its chips: a virtual second then takes a good part of a second,
+    /// or more where others use the computer, and the reports are those last told on the line.
+    pub fn is_firmware(&self) -> bool {
+        self.electronics.is_firmware()
+    }
+
     /// Why the simulator of the chips ended while the robot ran on it. The robot is then as one whose controllers are
     /// dead: motors off, silent. None while all is well, and with the model always.
     pub fn failure(&self) -> Option<&FirmwareError> {

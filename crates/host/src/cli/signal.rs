@@ -93,13 +93,6 @@ impl Interrupt {
             thread::sleep(left.min(Duration::from_millis(LOOK_MS)));
         }
     }
-
-    /// Waits until the user wants the command to end.
-    pub(crate) fn wait_for_end(self) {
-        while !self.is_raised() {
-            thread::sleep(Duration::from_millis(LOOK_MS));
-        }
-    }
 }
 
 /// Runs on a thread of its own, never in a signal's context.

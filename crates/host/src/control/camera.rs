@@ -10,6 +10,9 @@ use crate::{Error, Interruption};
 
 /// How long homing may take, in ms: the whole way both ways at a slow degree a second and a half.
 const HOME_LIMIT_MS: u64 = 120_000;
+/// How long the head is behind what the controller tells, in ms: a servo is told its angle by a pulse every 20 ms, which
+/// takes 2.4 ms, and the way since the pulse before takes another 20.
+const SERVO_LAG_MS: u64 = 45;
 
 /// Positions the camera. See [`Robot::camera`](crate::Robot::camera).
 ///
@@ -111,7 +114,10 @@ impl CameraController {
                 _ if report.boot != first.boot => {
                     return interrupted(Interruption::Reset(report.cause));
                 }
-                Mode::Idle => return Ok(report),
+                Mode::Idle => {
+                    self.sleep_ms(SERVO_LAG_MS)?;
+                    return Ok(report);
+                }
                 Mode::Initialising | Mode::Executing => {}
                 Mode::Stopped => return interrupted(Interruption::Stop),
                 Mode::Held => return interrupted(Interruption::DeadMan),

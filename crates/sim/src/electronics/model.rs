@@ -128,6 +128,10 @@ impl Electronics for Model {
         false
     }
 
+    fn is_firmware(&self) -> bool {
+        false
+    }
+
     fn failure(&self) -> Option<&FirmwareError> {
         None
     }

@@ -24,7 +24,7 @@ pub(super) const PATIENCE: Duration = Duration::from_secs(10);
 /// How long the last words of a process that has ended may take.
 const LAST_WORDS_PATIENCE: Duration = Duration::from_millis(500);
 /// The first words of lines that tell what happened.
-const EVENTS: [&str; 5] = ["byte", "framing", "heard", "edge", "mark"];
+const EVENTS: [&str; 6] = ["byte", "framing", "heard", "edge", "mark", "reset"];
 /// A line of an answer is never longer than this, in bytes.
 const LINE_BYTES_MAX: usize = 64 * 1024;
 

@@ -8,12 +8,6 @@ use super::bridge::Bridge;
 use super::{FirmwareError, FirmwareImage};
 use crate::line::Heard;
 
-/// The register of the 18F452 and the 18F2320 that tells why the chip was reset, and how it stands after a brown-out:
-/// the power-on bit as the firmware left it, the brown-out bit cleared (DS39564C, table 3-2).
-const RCON: u16 = 0xFD0;
-/// See [`RCON`].
-const RCON_AFTER_BROWN_OUT: u8 = 0x1E;
-
 /// What happened at the chip's pins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Happened {
@@ -23,7 +17,18 @@ pub(super) enum Happened {
     Framing { cycle: u64 },
     /// An output changed; `pin` counts in the order in which the outputs were wired.
     Edge { cycle: u64, pin: usize, level: bool },
+    /// It was reset.
+    Reset { cause: ResetCause },
+    /// Something that is of no interest here.
+    Other,
 }
+
+/// Resets as the simulator calls them.
+const RESETS: [(&str, ResetCause); 3] = [
+    ("power-on", ResetCause::PowerOn),
+    ("brown-out", ResetCause::BrownOut),
+    ("watchdog", ResetCause::Watchdog),
+];
 
 /// A pin with the level that is known of it.
 type Pin = (&'static str, Option<bool>);
@@ -95,10 +100,9 @@ impl Chip {
 
     /// Starts the chip anew.
     pub(super) fn reset(&mut self, cause: ResetCause) -> Result<(), FirmwareError> {
-        self.bridge.ask(format_args!("reset power-on"))?;
-        if cause == ResetCause::BrownOut {
-            self.bridge.ask(format_args!("register {RCON:#x} {RCON_AFTER_BROWN_OUT:#x}"))?;
-        }
+        let word = RESETS.into_iter().find(|(_, known)| *known == cause);
+        let (word, _) = word.unwrap_or(("power-on", cause));
+        self.bridge.ask(format_args!("reset {word}"))?;
         self.read_pins()
     }
 
@@ -147,10 +151,10 @@ impl Chip {
 
     /// Waits for the end of the millisecond and tells what happened in it.
     pub(super) fn end_ms(&mut self) -> Result<Vec<Happened>, FirmwareError> {
-        let (outputs, mut happened) = (&mut self.outputs, Vec::new());
+        let (outputs, mut happened) = (&self.outputs, Vec::new());
         let mut cycle = None;
         let told = |line: &str| {
-            happened.extend(parse(line, outputs)?);
+            happened.push(parse(line, outputs)?);
             Some(())
         };
         // The last answer is that to `advance`; those before it have no number.
@@ -175,17 +179,14 @@ impl Chip {
     }
 }
 
-/// What a line tells: none within where it is of no interest here, none at all where it cannot be read.
-fn parse(line: &str, outputs: &[Pin]) -> Option<Option<Happened>> {
+/// What a line tells; none where it cannot be read.
+fn parse(line: &str, outputs: &[Pin]) -> Option<Happened> {
     let mut words = line.split(' ');
     let name = words.next()?;
     let cycle = words.next()?.parse().ok()?;
     Some(match name {
-        "byte" => {
-            let byte = u8::from_str_radix(words.next()?, 16).ok()?;
-            Some(Happened::Sent { cycle, byte })
-        }
-        "framing" => Some(Happened::Framing { cycle }),
+        "byte" => Happened::Sent { cycle, byte: u8::from_str_radix(words.next()?, 16).ok()? },
+        "framing" => Happened::Framing { cycle },
         "edge" => {
             let pin = words.next()?;
             let level = match words.next()? {
@@ -194,8 +195,13 @@ fn parse(line: &str, outputs: &[Pin]) -> Option<Option<Happened>> {
                 _ => return None,
             };
             let wired = outputs.iter().position(|(name, _)| *name == pin);
-            wired.map(|pin| Happened::Edge { cycle, pin, level })
+            wired.map_or(Happened::Other, |pin| Happened::Edge { cycle, pin, level })
         }
-        _ => None,
+        "reset" => {
+            let word = words.next()?;
+            let cause = RESETS.into_iter().find(|(known, _)| *known == word);
+            cause.map_or(Happened::Other, |(_, cause)| Happened::Reset { cause })
+        }
+        _ => Happened::Other,
     })
 }

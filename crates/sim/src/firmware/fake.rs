@@ -2,7 +2,8 @@
 //! client can be tested where no simulator is built.
 
 use std::collections::VecDeque;
-use std::io::{BufRead, BufReader, Write};
+use std::fmt::Write as _;
+use std::io::{BufRead, BufReader, Write as _};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::sync::{Arc, Mutex};
@@ -27,8 +28,8 @@ const TICK_AT_US: u64 = 500;
 pub(super) type Commands = Arc<Mutex<Vec<String>>>;
 
 enum Model {
-    Motion(MotionController),
-    Camera(CameraController),
+    Motion(Box<MotionController>),
+    Camera(Box<CameraController>),
 }
 
 struct Fake {
@@ -46,15 +47,20 @@ struct Fake {
     pulses: [u64; 2],
 }
 
-/// A chip of a controller with a fake in place of its simulator, which falls silent for ever after `advances`.
-pub(super) fn chip(controller: Address, clock_mhz: u8, advances: u64) -> (Chip, Commands) {
+/// A chip of a controller with a fake in place of its simulator, which falls silent when it has advanced so often.
+pub(super) fn chip(controller: Address, clock_mhz: u8, silent_after: u64) -> (Chip, Commands) {
     let (ours, theirs) = UnixStream::pair().expect("a pair of sockets");
     let commands = Commands::default();
     let heard = Arc::clone(&commands);
-    thread::spawn(move || Fake::new(controller, clock_mhz).serve(&theirs, &heard, advances));
+    thread::spawn(move || Fake::new(controller, clock_mhz).serve(&theirs, &heard, silent_after));
     let from = OwnedFd::from(ours.try_clone().expect("a second handle"));
     let bridge = Bridge::with(controller.name(), ours.into(), from, Duration::from_millis(300));
     (Chip::of(bridge, clock_mhz), commands)
+}
+
+/// Adds a line.
+fn tell(answer: &mut String, line: std::fmt::Arguments<'_>) {
+    writeln!(answer, "{line}").expect("a string takes everything");
 }
 
 impl Fake {
@@ -66,8 +72,8 @@ impl Fake {
         let cause = ResetCause::PowerOn;
         Self {
             model: match controller {
-                Address::Motion => Model::Motion(MotionController::new(cause, 0)),
-                Address::Camera => Model::Camera(CameraController::new(cause, 0)),
+                Address::Motion => Model::Motion(Box::new(MotionController::new(cause, 0))),
+                Address::Camera => Model::Camera(Box::new(CameraController::new(cause, 0))),
             },
             clock_mhz,
             now_us: 0,
@@ -80,7 +86,7 @@ impl Fake {
         }
     }
 
-    fn serve(mut self, stream: &UnixStream, commands: &Commands, advances: u64) {
+    fn serve(mut self, stream: &UnixStream, commands: &Commands, silent_after: u64) {
         let mut to = stream.try_clone().expect("a second handle");
         let mut advanced = 0;
         for line in BufReader::new(stream).lines() {
@@ -88,7 +94,7 @@ impl Fake {
             advanced += u64::from(line.starts_with("advance"));
             let mut answer = String::new();
             // A fake that has had enough keeps listening and says nothing.
-            if advanced <= advances {
+            if advanced <= silent_after {
                 self.obey(&line, &mut answer);
             }
             commands.lock().expect("the list").push(line);
@@ -140,8 +146,7 @@ impl Fake {
             "register" => format!("ok {}", words[2]),
             _ => "error unknown".to_owned(),
         };
-        answer.push_str(&last);
-        answer.push('\n');
+        tell(answer, format_args!("{last}"));
     }
 
     fn names(&self) -> Vec<&'static str> {
@@ -150,8 +155,8 @@ impl Fake {
 
     fn controller(&mut self) -> &mut dyn Controller {
         match &mut self.model {
-            Model::Motion(motion) => motion,
-            Model::Camera(camera) => camera,
+            Model::Motion(motion) => motion.as_mut(),
+            Model::Camera(camera) => camera.as_mut(),
         }
     }
 
@@ -181,7 +186,7 @@ impl Fake {
             && (now_us - begun_us) * 10 >= BIT_TENTHS_US * 19 / 2
         {
             self.hearing = None;
-            answer.push_str(&format!("heard {cycle}\n"));
+            tell(answer, format_args!("heard {cycle}"));
             match heard {
                 Some(byte) => self.controller().receive_interrupt(byte),
                 None => self.controller().receive_error(LineError::Framing),
@@ -196,7 +201,7 @@ impl Fake {
         if let Some((byte, begun_us, is_told)) = self.sending {
             let tenths_us = (now_us - begun_us) * 10;
             if tenths_us >= BIT_TENTHS_US * 19 / 2 && !is_told {
-                answer.push_str(&format!("byte {cycle} {byte:02x}\n"));
+                tell(answer, format_args!("byte {cycle} {byte:02x}"));
                 self.sending = Some((byte, begun_us, true));
             }
             if tenths_us >= BIT_TENTHS_US * 10 {
@@ -239,7 +244,7 @@ impl Fake {
         for ((pin, level), now) in self.levels.iter_mut().zip(levels) {
             if *level != now {
                 *level = now;
-                answer.push_str(&format!("edge {cycle} {pin} {}\n", u8::from(now)));
+                tell(answer, format_args!("edge {cycle} {pin} {}", u8::from(now)));
             }
         }
     }

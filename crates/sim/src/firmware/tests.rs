@@ -1,7 +1,10 @@
 //! The client of the chips' simulator against a stand-in, and against programs that misbehave.
 
 use std::fs;
+use std::io::Write;
+use std::os::fd::OwnedFd;
 use std::os::unix::fs::PermissionsExt;
+use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -10,6 +13,7 @@ use rsapien_protocol::{
     Session, SessionConfig, SessionEvent, Status, Step, StopCause,
 };
 
+use super::bridge::Bridge;
 use super::fake::{self, Commands};
 use super::*;
 use crate::line::LineFaults;
@@ -187,9 +191,9 @@ fn power_and_resets_reach_the_chips() {
     pair.robot.power_on();
     assert!(pair.was_told(MOTION, "reset power-on") && pair.was_told(CAMERA, "reset power-on"));
     assert_eq!(pair.robot.motion_report().mode, Mode::Fresh);
-    assert!(!pair.was_told(MOTION, "register 0xfd0 0x1e"), "that was no brown-out");
+    assert!(!pair.was_told(MOTION, "reset brown-out"), "that was none");
     pair.robot.brown_out();
-    assert!(pair.was_told(MOTION, "register 0xfd0 0x1e"));
+    assert!(pair.was_told(MOTION, "reset brown-out") && pair.was_told(CAMERA, "reset brown-out"));
     assert_eq!(pair.robot.motion_report().cause, StopCause::BrownOut);
     assert_eq!(pair.robot.failure(), None);
 }
@@ -283,7 +287,7 @@ const IMAGES: [&str; 3] = [
 
 fn robot_of(config: FirmwareConfig, baud: u32) -> Result<VirtualRobot, String> {
     let controllers = Controllers::Firmware(config);
-    VirtualRobot::new(VirtualRobotConfig { controllers, baud, ..VirtualRobotConfig::default() })
+    VirtualRobot::new(VirtualRobotConfig { baud, controllers, ..VirtualRobotConfig::default() })
         .map_err(|error| error.to_string())
 }
 
@@ -372,4 +376,48 @@ fn a_simulator_ends_with_its_robot() {
     assert!(place.exists());
     drop(chip);
     assert!(!place.exists(), "it lives on");
+}
+
+#[test]
+fn what_happens_in_a_millisecond_is_read_from_its_lines() {
+    let run = |answer: &str| {
+        let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
+        theirs
+            .write_all(format!("ok re0 rd0\nok\nok 1\nok 500\n{answer}").as_bytes())
+            .expect("written");
+        let from = OwnedFd::from(ours.try_clone().expect("a second handle"));
+        let patience = Duration::from_millis(50);
+        let mut chip = Chip::of(Bridge::with("motion", ours.into(), from, patience), 40);
+        chip.wire(&[], &["rd0"]).expect("wired");
+        assert!(chip.level(0) && chip.cycle() == 500);
+        chip.begin_ms()?;
+        let happened = chip.end_ms()?;
+        Ok((happened, chip.level(0), chip.cycle()))
+    };
+    let told = "byte 700 C9\nedge 800 rd0 0\nedge 900 rd7 1\nframing 1000\nheard 1100\nmark 1200 loop\n\
+                reset 1300 watchdog\nok 10500\n";
+    let expected = vec![
+        Happened::Sent { cycle: 700, byte: 0xC9 },
+        Happened::Edge { cycle: 800, pin: 0, level: false },
+        Happened::Other,
+        Happened::Framing { cycle: 1000 },
+        Happened::Other,
+        Happened::Other,
+        Happened::Reset { cause: ResetCause::Watchdog },
+    ];
+    assert_eq!(run(told), Ok((expected, false, 10_500)));
+    for (answer, part) in [
+        ("error the firmware has stopped\n", "the firmware has stopped"),
+        ("byte 700 XX\nok 10500\n", "byte 700 XX"),
+        ("edge 700 rd0 Z\nok 10500\n", "rd0 Z"),
+        ("ok\n", "without a cycle"),
+        ("ok 105", "has not answered \"advance 10000\""),
+    ] {
+        let error: FirmwareError = run(answer).expect_err(answer);
+        assert!(error.to_string().contains(part), "{answer:?}: {error}");
+    }
+    let mut told = Told::new(ResetCause::PowerOn);
+    told.restart(MOTION, ResetCause::Watchdog);
+    assert_eq!(told.motion().cause, StopCause::Watchdog);
+    assert_eq!(told.camera().cause, StopCause::PowerOn);
 }

@@ -5,6 +5,8 @@ use rsapien_protocol::{
     CameraReport, Direction, Fed, MotionReport, Receiver, Report, SynchronizationPackage,
 };
 
+use crate::electronics::MOTION;
+
 /// The last report of each controller since its reset. One that has not answered anything has executed nothing, so a
 /// fresh controller's stands there until then.
 #[derive(Debug)]
@@ -22,6 +24,16 @@ impl Told {
             ears: [Receiver::listening(Direction::ToPc), Receiver::listening(Direction::ToPc)],
             motion: MotionController::new(cause, 0).report(),
             camera: CameraController::new(cause, 0).report(),
+        }
+    }
+
+    /// A controller has reset itself.
+    pub(super) fn restart(&mut self, controller: usize, cause: ResetCause) {
+        let fresh = Self::new(cause);
+        if controller == MOTION {
+            self.motion = fresh.motion;
+        } else {
+            self.camera = fresh.camera;
         }
     }
 

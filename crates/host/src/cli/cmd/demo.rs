@@ -16,6 +16,7 @@ use crate::cli::camera::CameraOptions;
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
+use crate::cli::firmware::FirmwareOptions;
 use crate::cli::robot;
 use crate::cli::world;
 
@@ -32,6 +33,7 @@ use crate::cli::world;
 Examples:
   rsapien demo
   rsapien demo --fast --seed 7 --world random
+  rsapien demo --firmware                 with the firmware itself, in a clone after make -C firmware-pic/sim
   rsapien demo --link /tmp/robot          a robot of rsapien sim --pty /tmp/robot")]
 pub(crate) struct Cmd {
     /// With the virtual robot: let its time pass as fast as it goes
@@ -63,6 +65,9 @@ pub(crate) struct Cmd {
 
     #[command(flatten)]
     camera: CameraOptions,
+
+    #[command(flatten)]
+    firmware: FirmwareOptions,
 }
 
 impl Cmd {
@@ -74,6 +79,10 @@ impl Cmd {
         if self.fast && link != LinkAddress::Virtual {
             return Err(robot::fast_needs_virtual());
         }
+        if self.firmware.is_asked() && link != LinkAddress::Virtual {
+            return Err(Failure::new("--firmware: only a virtual robot of this command can be made with it")
+                .hint("leave --firmware away, or leave --link away; rsapien sim --firmware makes one for others"));
+        }
         let source = self.camera.camera.resolve(&link)?;
         // Before anything moves, so that the work is not for nothing.
         fs::create_dir_all(&self.out).map_err(|error| Failure::file("make", &self.out, &error))?;
@@ -82,6 +91,7 @@ impl Cmd {
             fast: self.fast,
             seed: self.seed,
             world: world::named(&self.world, self.seed)?,
+            controllers: self.firmware.controllers(context)?,
             radius_px: self.radius.limits(),
             walks: self.walks,
             field_of_view_deg: self.field_of_view,

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use rsapien_sim::VirtualRobotConfig;
@@ -11,6 +12,7 @@ use rsapien_sim::server::{Simulator, SimulatorConfig, SimulatorError};
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
+use crate::cli::firmware::{self, FirmwareOptions};
 use crate::cli::signal::Interrupt;
 use crate::cli::world;
 
@@ -24,6 +26,7 @@ use crate::cli::world;
 Examples:
   rsapien sim --pty /tmp/robot            then, elsewhere: rsapien --link /tmp/robot state
   rsapien sim --tcp 7000                  then, elsewhere: rsapien --link tcp://127.0.0.1:7000 init
+  rsapien sim --firmware --pty /tmp/robot in a clone, after make -C firmware-pic/sim
   echo '{\"press\":\"left-hand\"}' | nc -N -U /tmp/robot.control")]
 pub(crate) struct Cmd {
     /// Make LINK a symbolic link to a pseudo-terminal that speaks as the robot's serial port does
@@ -57,16 +60,27 @@ pub(crate) struct Cmd {
     /// A program that looks at the robot often sees it move hundreds of times faster
     #[arg(long)]
     fast: bool,
+
+    #[command(flatten)]
+    firmware: FirmwareOptions,
 }
+
+/// How often the robot is looked at.
+const LOOK: Duration = Duration::from_millis(50);
+/// When so much virtual time could not be made up for, the simulation is called slow, in ms.
+const SLOW_MS: u64 = 1000;
 
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
         let interrupt = Interrupt::install()?;
+        let controllers = self.firmware.controllers(context)?;
+        let images = firmware::images(&controllers);
         let simulator = Simulator::start(SimulatorConfig {
             robot: VirtualRobotConfig {
                 seed: self.seed,
                 world: world::named(&self.world, self.seed)?,
                 baud: context.baud,
+                controllers,
                 ..VirtualRobotConfig::default()
             },
             pty: self.pty,
@@ -76,14 +90,37 @@ impl Cmd {
             allow_remote: self.allow_remote,
             clock: if self.fast { Clock::Free } else { Clock::default() },
         })?;
-        tell(context, out, &simulator)?;
-        interrupt.wait_for_end();
+        tell(context, out, &simulator, &images)?;
+        watch(interrupt, &simulator)?;
         simulator.stop();
         Ok(Status::Done)
     }
 }
 
-fn tell(context: &Context, out: &mut impl Write, simulator: &Simulator) -> Result<()> {
+/// Waits until the user wants the end, or the controllers are dead.
+fn watch(interrupt: Interrupt, simulator: &Simulator) -> Result<()> {
+    let mut is_told = false;
+    while !interrupt.is_raised() {
+        if let Some(failure) = simulator.robot().lock().failure() {
+            return Err(failure.clone().into());
+        }
+        if !is_told && simulator.lost_ms() > SLOW_MS {
+            tracing::warn!(
+                "the simulation is slower than real time here; the robot's time passes more slowly, and all goes on"
+            );
+            is_told = true;
+        }
+        std::thread::sleep(LOOK);
+    }
+    Ok(())
+}
+
+fn tell(
+    context: &Context,
+    out: &mut impl Write,
+    simulator: &Simulator,
+    images: &[String],
+) -> Result<()> {
     let links: Vec<String> = simulator
         .link()
         .map(|link| link.display().to_string())
@@ -95,8 +132,12 @@ fn tell(context: &Context, out: &mut impl Write, simulator: &Simulator) -> Resul
         "terminal": simulator.terminal(),
         "control": simulator.control_path(),
         "control_tcp": simulator.control_tcp_address(),
+        "firmware": images,
     });
     let mut text = vec!["the virtual robot runs until Ctrl-C".to_owned()];
+    for image in images {
+        text.push(format!("  firmware {image}"));
+    }
     let width = links.iter().map(String::len).max().unwrap_or(0);
     for link in &links {
         text.push(format!("  link     {link:<width$}   try: rsapien --link {link} state"));

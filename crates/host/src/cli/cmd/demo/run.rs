@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use rsapien_registry::{CompileOptions, Registry};
 use rsapien_sim::VirtualRobotConfig;
+use rsapien_sim::robot::Controllers;
 use rsapien_sim::world::World;
 use rsapien_vision::{GrayImage, Picture, draw};
 
@@ -16,6 +17,7 @@ use crate::cli::camera::{Camera, Source, Truth};
 use crate::cli::cmd::detect::save;
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
+use crate::cli::firmware;
 use crate::cli::performance;
 use crate::cli::robot::{OpenRobot, open_with};
 use crate::cli::view;
@@ -31,6 +33,7 @@ pub(super) struct Settings {
     pub(super) fast: bool,
     pub(super) seed: u64,
     pub(super) world: World,
+    pub(super) controllers: Controllers,
     /// Least and greatest radius of the ball in the picture, in pixels.
     pub(super) radius_px: (f32, f32),
     pub(super) walks: u16,
@@ -49,11 +52,14 @@ pub(super) fn run(
     let clock = Instant::now();
     let mut options = RobotOptions::for_user("rsapien demo");
     options.on_package = Some(log::to_file(&settings.log_file)?);
+    let images = firmware::images(&settings.controllers);
     options.virtual_robot = VirtualOptions {
         pace: if settings.fast { Pace::Fast } else { Pace::Real },
         config: VirtualRobotConfig {
             seed: settings.seed,
             world: settings.world,
+            baud: context.baud,
+            controllers: settings.controllers,
             ..VirtualRobotConfig::default()
         },
     };
@@ -61,6 +67,9 @@ pub(super) fn run(
     let open = open_with(context, &settings.link, options)?;
     let robot = &open.robot;
     style.remark(out, format_args!("robot: {}", robot.link_name()))?;
+    for image in images {
+        style.remark(out, format_args!("firmware: {image}"))?;
+    }
 
     let mut motion = open.motion()?;
     let head = open.done(robot.camera())?;

@@ -77,6 +77,7 @@ public:
             return;
         }
         events_.tell("reset", get_cycles().get(), name_of(type));
+        stop_serial_port(*processor_);
         Register *rcon = processor_->registers[rcon_address];
         rcon->put_value(rcon->get_value() & ~rcon_priority_enable);
     }

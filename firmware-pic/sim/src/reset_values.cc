@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "reset_values.h"
 
-#include <cstdint>
+#include <initializer_list>
 
+#include <gpsim/gpsim_time.h>
 #include <gpsim/pic-processor.h>
+#include <gpsim/uart.h>
 
 namespace bridge {
 namespace {
@@ -13,12 +15,13 @@ struct Range {
     unsigned last;
 };
 
-/// Registers that every reset sets as power-on does. The rest keeps its value (ports' latches, Timer0, 1 and 3,
-/// CCPRx, FSRs, W, STATUS, PROD), or gpsim sets it right already (TRISx, T0CON, RCSTA, STKPTR), or it is RCON.
+/// Registers that every reset sets as power-on does. The others keep their values by the data sheets, too
+/// (latches, Timer0, 1 and 3, CCPRx, FSRs, W, STATUS, PROD), are set by gpsim (TRISx, T0CON, STKPTR), hold nothing
+/// of interest (addresses and data of EEPROM and table reads) or are RCON.
 constexpr Range set_at_each_reset[] = {
     {0xF9D, 0xFA2},  // PIE1, PIR1, IPR1, PIE2, PIR2, IPR2
-    {0xFAC, 0xFAF},  // TXSTA, TXREG, RCREG, SPBRG
-    {0xFB0, 0xFB0},  // SPBRGH (18F2321)
+    {0xFAB, 0xFAD},  // RCSTA, TXSTA, TXREG
+    {0xFAF, 0xFB0},  // SPBRG, SPBRGH (18F2321)
     {0xFB4, 0xFB8},  // CMCON, CVRCON, ECCP1AS, PWM1CON, BAUDCON (18F2321)
     {0xFBA, 0xFBA},  // CCP2CON
     {0xFBD, 0xFBD},  // CCP1CON
@@ -31,6 +34,7 @@ constexpr Range set_at_each_reset[] = {
 };
 
 constexpr unsigned ipr1_address = 0xF9F, ipr2_address = 0xFA2;
+constexpr unsigned txsta_address = 0xFAC;
 constexpr int pins_with_parallel_port = 40;
 
 void set_power_on_value(pic_processor &processor, unsigned address, unsigned value) {
@@ -50,6 +54,19 @@ void correct_reset_values(pic_processor &processor) {
             }
         }
     }
+}
+
+void stop_serial_port(pic_processor &processor) {
+    auto *transmit = dynamic_cast<_TXSTA *>(processor.registers[txsta_address]);
+    if (transmit == nullptr) {
+        return;
+    }
+    for (TriggerObject *part : std::initializer_list<TriggerObject *>{transmit, transmit->txreg, transmit->rcsta}) {
+        get_cycles().clear_break(part);
+    }
+    get_cycles().clear_break(transmit->spbrg);
+    transmit->spbrg->running = false;
+    transmit->spbrg->last_cycle = get_cycles().get();
 }
 
 }  // namespace bridge

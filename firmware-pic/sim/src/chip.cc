@@ -11,6 +11,7 @@
 #include <gpsim/pic-processor.h>
 #include <gpsim/sim_context.h>
 
+#include "eeprom_time.h"
 #include "failure.h"
 #include "hex_image.h"
 #include "reset_values.h"
@@ -48,6 +49,12 @@ std::string hexadecimal(unsigned value) {
     char text[16];
     std::snprintf(text, sizeof text, "0x%X", value);
     return text;
+}
+
+/// Data sheets, parameter 31: the RC watchdog of the first flash PIC18 (18F452 and its kin), and the one
+/// of the internal oscillator in all later ones, which gpsim does not tell apart.
+double nominal_watchdog_ms(const std::string &processor) {
+    return !processor.empty() && processor.back() == '2' ? 18 : 4;
 }
 
 }  // namespace
@@ -110,11 +117,21 @@ Chip::Chip(const Options &options, Events &events) : events_(events) {
     if (!file || loader.readihex16(processor_, file.get()) != ProgramFileType::SUCCESS) {
         throw Failure("gpsim cannot load the image '" + options.hex + "'");
     }
+    if (processor_->eeprom != nullptr) {
+        for (unsigned address = 0; address < processor_->eeprom->get_rom_size(); ++address) {
+            if (!image.holds(HexImage::eeprom_begin + address)) {
+                processor_->eeprom->change_rom(address, 0xFF);  // erased, which gpsim takes for 0
+            }
+        }
+    }
     processor_->set_frequency(static_cast<double>(options.clock_hz));
+    const double watchdog_ms = options.watchdog_ms > 0 ? options.watchdog_ms : nominal_watchdog_ms(options.processor);
+    processor_->wdt.set_timeout(watchdog_ms / 1000);
     processor_->setBreakOnReset(false);
     correct_reset_values(*processor_);
     processor_->reset(POR_RESET);
     probe_ = std::make_unique<ResetProbe>(processor_, events_);
+    eeprom_time_ = std::make_unique<EepromTime>(*processor_, options.cycles_per_second());
 }
 
 Chip::~Chip() = default;

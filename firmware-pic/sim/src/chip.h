@@ -16,6 +16,7 @@ class pic_processor;
 
 namespace bridge {
 
+class EepromTime;
 class ResetProbe;
 
 class Chip {
@@ -54,6 +55,7 @@ public:
 private:
     pic_processor *processor_ = nullptr;  // owned by gpsim
     std::unique_ptr<ResetProbe> probe_;
+    std::unique_ptr<EepromTime> eeprom_time_;
     Events &events_;
     std::string stopped_because_;
 };

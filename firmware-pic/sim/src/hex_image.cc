@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::uint32_t identification_begin = 0x200000, identification_end = 0x200008;
 constexpr std::uint32_t configuration_begin = 0x300000, configuration_end = 0x30000E;
-constexpr std::uint32_t eeprom_begin = 0xF00000;
 
 enum RecordType : std::uint8_t { data = 0, end_of_file = 1, upper_segment = 2, upper_linear = 4, start_linear = 5 };
 

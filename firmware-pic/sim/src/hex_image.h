@@ -13,12 +13,16 @@ namespace bridge {
 /// configuration from 0x300000, EEPROM from 0xF00000).
 class HexImage {
 public:
+    static constexpr std::uint32_t eeprom_begin = 0xF00000;
+
     /// Reads `path`. Throws `Failure` naming the line when the file is missing, is not Intel HEX,
     /// has a wrong checksum or lacks its end record.
     explicit HexImage(const std::string &path);
 
     /// Throws `Failure` naming the first address that a chip with this much memory has not.
     void check_fits(std::size_t program_bytes, std::size_t eeprom_bytes) const;
+
+    bool holds(std::uint32_t address) const { return bytes_.count(address) != 0; }
 
     /// The same image written anew, every record beginning at an even address and of even length:
     /// gpsim 0.31 misreads others, for example the one at 0x300001 that gpasm's CONFIG writes.

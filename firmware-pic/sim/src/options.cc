@@ -15,6 +15,7 @@ const char *const usage =
     "  --clock-mhz MHZ     Fosc after the PLL (default 40)\n"
     "  --baud RATE         of the line outside the chip (default 57600)\n"
     "  --tx-pin, --rx-pin  the chip's serial pins (default rc6, rc7)\n"
+    "  --watchdog-ms MS    the watchdog's time without postscaler (default 18 for an 18Fxx2, 4 for others)\n"
     "  --symbols FILE      gplink's .map, or lines `NAME ADDRESS`\n"
     "  --pty LINK          free running: the line as a pseudo-terminal with this symbolic link\n"
     "  --control SOCKET    commands on a UNIX socket\n"
@@ -81,6 +82,8 @@ Options read_options(int count, const char *const *arguments) {
             options.control_socket = value();
         } else if (option == "--limit-s") {
             options.limit_s = read_number(option, value(), 1e-6, 1e9);
+        } else if (option == "--watchdog-ms") {
+            options.watchdog_ms = read_number(option, value(), 0.1, 1000);
         } else if (option == "--fast") {
             options.fast = true;
         } else if (option == "--lockstep") {

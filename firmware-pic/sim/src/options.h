@@ -17,6 +17,7 @@ struct Options {
     std::string symbols;                   ///< gplink's .map or lines `NAME ADDRESS`; empty: none
     std::string pty_link;                  ///< symbolic link to the pseudo-terminal; empty: none
     std::string control_socket;            ///< UNIX socket for commands; empty: none
+    double watchdog_ms = 0;                ///< watchdog's time without postscaler; 0: the data sheet's nominal one
     double limit_s = 0;                    ///< stop after this simulated time; 0: never
     bool fast = false;                     ///< free running: not paced to real time
     bool lockstep = false;                 ///< commands on stdin, time moves only by `advance`

@@ -33,7 +33,8 @@ private:
 /// Without such a node gpsim lets an input follow its own latch.
 class PinWire {
 public:
-    explicit PinWire(Pin &pin) : source_(("wire-" + pin.name).c_str(), 0, resistance_ohm), node_(("node-" + pin.name).c_str()) {
+    explicit PinWire(Pin &pin)
+        : source_(("wire-" + pin.name).c_str(), 0, resistance_ohm), node_(("node-" + pin.name).c_str()) {
         node_.attach_stimulus(pin.io);
         node_.attach_stimulus(&source_);
     }

@@ -41,13 +41,17 @@ fn check(address: Address, origin: &str, bench: &LockstepBench) {
 
 fn play(folder: &str) -> Vec<Scenario> {
     let scenarios = Scenario::all_of(folder);
+    let mut errors = String::new();
     for scenario in &scenarios {
         let mut bench = LockstepBench::new(scenario.address, 0);
         let played = scenario.play(&mut bench);
         // What differs tells more than what the model was expected to do.
         check(scenario.address, &scenario.name, &bench);
-        played.unwrap_or_else(|error| panic!("{error}"));
+        if let Err(error) = played {
+            errors.push_str(&format!("{error}\n"));
+        }
     }
+    assert!(errors.is_empty(), "the model does not do what scenarios expect:\n{errors}");
     scenarios
 }
 

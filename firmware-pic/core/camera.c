@@ -119,7 +119,7 @@ static void home(void)
 /* Reads the AIM in `reception.content`. */
 static void read_aim(void)
 {
-    uint16_t speed_deg_per_s = command_word(AIM_SPEED);
+    uint16_t speed_deg_per_s = COMMAND_WORD(AIM_SPEED);
     uint8_t speed = AXIS_SPEED_MAX_DEG_PER_S;
     uint8_t step_centideg = 0;
 
@@ -130,8 +130,8 @@ static void read_aim(void)
         speed = (uint8_t)(speed - 10u);
         step_centideg++;
     }
-    camera.aim.pan_centideg = (int16_t)command_word(AIM_PAN);
-    camera.aim.tilt_centideg = (int16_t)command_word(AIM_TILT);
+    camera.aim.pan_centideg = (int16_t)COMMAND_WORD(AIM_PAN);
+    camera.aim.tilt_centideg = (int16_t)COMMAND_WORD(AIM_TILT);
     camera.aim.step_centideg = step_centideg;
     camera.aim.step_tenths = speed;
 }
@@ -171,7 +171,7 @@ enum status controller_execute(void)
         break;
     case KIND_CONFIGURE:
         /* The camera controller has one parameter. */
-        dead_man.timeout_ms = command_word(CONFIGURE_VALUE);
+        dead_man.timeout_ms = COMMAND_WORD(CONFIGURE_VALUE);
         break;
     default:
         /* STATE and COUNTERS ask for nothing but their answer. */
@@ -179,11 +179,6 @@ enum status controller_execute(void)
     }
     port_unlock();
     return status;
-}
-
-static bool is_at_limit(int16_t position_centideg, int16_t limit_centideg)
-{
-    return (position_centideg >= limit_centideg) || (position_centideg <= -limit_centideg);
 }
 
 static uint8_t axis_flags(void)
@@ -196,10 +191,12 @@ static uint8_t axis_flags(void)
     if ((camera.settle_ms != 0u) || is_moving_tilt()) {
         flags |= AXES_TILT_MOVING;
     }
-    if (is_at_limit(camera.pan.position_centideg, PAN_CENTIDEG_MAX)) {
+    if ((camera.pan.position_centideg >= PAN_CENTIDEG_MAX) ||
+        (camera.pan.position_centideg <= -PAN_CENTIDEG_MAX)) {
         flags |= AXES_PAN_AT_LIMIT;
     }
-    if (is_at_limit(camera.tilt.position_centideg, TILT_CENTIDEG_MAX)) {
+    if ((camera.tilt.position_centideg >= TILT_CENTIDEG_MAX) ||
+        (camera.tilt.position_centideg <= -TILT_CENTIDEG_MAX)) {
         flags |= AXES_TILT_AT_LIMIT;
     }
     return flags;
@@ -209,10 +206,10 @@ void controller_report(void)
 {
     port_lock();
     transmission.report[REPORT_MODE] = (uint8_t)camera.mode;
-    report_put_word(REPORT_PAN, (uint16_t)camera.pan.position_centideg);
-    report_put_word(REPORT_TILT, (uint16_t)camera.tilt.position_centideg);
-    report_put_word(REPORT_PAN_TARGET, (uint16_t)camera.pan.target_centideg);
-    report_put_word(REPORT_TILT_TARGET, (uint16_t)camera.tilt.target_centideg);
+    REPORT_PUT_WORD(REPORT_PAN, (uint16_t)camera.pan.position_centideg);
+    REPORT_PUT_WORD(REPORT_TILT, (uint16_t)camera.tilt.position_centideg);
+    REPORT_PUT_WORD(REPORT_PAN_TARGET, (uint16_t)camera.pan.target_centideg);
+    REPORT_PUT_WORD(REPORT_TILT_TARGET, (uint16_t)camera.tilt.target_centideg);
     transmission.report[REPORT_AXES] = axis_flags();
     transmission.report[REPORT_CAUSE] = (uint8_t)communication.cause;
     port_unlock();

@@ -19,11 +19,6 @@ void command_reset(void)
     command.duplicates = 0;
 }
 
-uint16_t command_word(uint8_t offset)
-{
-    return (uint16_t)(CONTENT[offset] | (uint16_t)((uint16_t)CONTENT[offset + 1u] << 8));
-}
-
 static bool ends_at(uint8_t end)
 {
     return reception.content_used <= end;
@@ -37,7 +32,7 @@ static bool is_hello_valid(void)
 static bool is_configure_valid(void)
 {
     uint8_t parameter = CONTENT[CONFIGURE_PARAMETER];
-    uint16_t value = command_word(CONFIGURE_VALUE);
+    uint16_t value = COMMAND_WORD(CONFIGURE_VALUE);
 
     if (parameter == PARAMETER_DEAD_MAN) {
         return (value == 0u) || ((value >= DEAD_MAN_MS_MIN) && (value <= DEAD_MAN_MS_MAX));
@@ -58,17 +53,13 @@ static bool is_step_valid(void)
            ((CONTENT[STEP_BUMPERS] & (uint8_t)~STEP_BUMPERS_MASK) == 0u);
 }
 #else
-/* Whether the angle at `offset` is in -limit ..= limit, in 0.01 degree. */
-static bool is_angle_valid(uint8_t offset, int16_t limit_centideg)
-{
-    int16_t angle_centideg = (int16_t)command_word(offset);
-
-    return (angle_centideg >= -limit_centideg) && (angle_centideg <= limit_centideg);
-}
-
 static bool is_aim_valid(void)
 {
-    return is_angle_valid(AIM_PAN, PAN_CENTIDEG_MAX) && is_angle_valid(AIM_TILT, TILT_CENTIDEG_MAX);
+    int16_t pan_centideg = (int16_t)COMMAND_WORD(AIM_PAN);
+    int16_t tilt_centideg = (int16_t)COMMAND_WORD(AIM_TILT);
+
+    return (pan_centideg >= -PAN_CENTIDEG_MAX) && (pan_centideg <= PAN_CENTIDEG_MAX) &&
+           (tilt_centideg >= -TILT_CENTIDEG_MAX) && (tilt_centideg <= TILT_CENTIDEG_MAX);
 }
 #endif
 

@@ -20,6 +20,7 @@
 #include <stdint.h>
 
 #include "protocol.h"
+#include "reception.h"
 
 struct command {
     uint8_t session;       /* the open one; 0: none */
@@ -39,6 +40,8 @@ enum status command_analyse(void);
 void command_note_executed(void);
 
 /* Words of `reception.content`, low byte first. */
-uint16_t command_word(uint8_t offset);
+#define COMMAND_WORD(offset)                                                                       \
+    ((uint16_t)(reception.content[(offset)] |                                                      \
+                (uint16_t)((uint16_t)reception.content[(offset) + 1u] << 8)))
 
 #endif

@@ -55,7 +55,7 @@ void communication_report_hello(enum status status)
     transmission.report[REPORT_HELLO_FIRMWARE + 2u] = FIRMWARE_VERSION_PATCH;
     transmission.report[REPORT_HELLO_CLOCK] = RSAPIEN_CLOCK_MHZ;
     transmission.report[REPORT_HELLO_QUEUE] = QUEUE_LENGTH_TOLD;
-    report_put_word(REPORT_HELLO_DEAD_MAN, dead_man.timeout_ms);
+    REPORT_PUT_WORD(REPORT_HELLO_DEAD_MAN, dead_man.timeout_ms);
     transmission.report[REPORT_HELLO_LAST_SEQUENCE] = command.last_sequence;
     transmission.report[REPORT_HELLO_LAST_SEQUENCE + 1u] = 0;
     transmission.report[REPORT_HELLO_LAST_SEQUENCE + 2u] = 0;
@@ -66,14 +66,14 @@ void communication_report_hello(enum status status)
 
 void communication_report_counters(void)
 {
-    report_put_word(COUNT_ACCEPTED, reception.accepted);
-    report_put_word(COUNT_RESETS, reception.resets);
-    report_put_word(COUNT_CRC_ERRORS, reception.crc_errors);
-    report_put_word(COUNT_FRAMING_ERRORS, reception.framing_errors);
-    report_put_word(COUNT_OVERRUNS, reception.overruns);
-    report_put_word(COUNT_DUPLICATES, command.duplicates);
+    REPORT_PUT_WORD(COUNT_ACCEPTED, reception.accepted);
+    REPORT_PUT_WORD(COUNT_RESETS, reception.resets);
+    REPORT_PUT_WORD(COUNT_CRC_ERRORS, reception.crc_errors);
+    REPORT_PUT_WORD(COUNT_FRAMING_ERRORS, reception.framing_errors);
+    REPORT_PUT_WORD(COUNT_OVERRUNS, reception.overruns);
+    REPORT_PUT_WORD(COUNT_DUPLICATES, command.duplicates);
     port_lock();
-    report_put_word(COUNT_DEAD_MAN_TRIPS, dead_man.trips);
+    REPORT_PUT_WORD(COUNT_DEAD_MAN_TRIPS, dead_man.trips);
     port_unlock();
 }
 

@@ -11,12 +11,23 @@
 
 struct joints joints;
 
-/* position * new / old, rounded down, for position <= old: long multiplication and long division
- * at once, a bit of `new` a turn. What is left over stays below `old`, so 3 * TRAVEL_MS_MAX is the
- * most that 16 bits ever hold here. */
-static uint16_t scaled(uint16_t position_ms, uint16_t new_travel_ms, uint16_t old_travel_ms)
+/* The travel time that a joint is about to get. Main routine only. */
+static struct travel travel;
+
+static void set_travel(uint16_t full_travel_ms)
 {
-    uint16_t factor = new_travel_ms;
+    travel.full_ms = full_travel_ms;
+    travel.middle_ms = (uint16_t)(full_travel_ms >> 1);
+    travel.overrun_ms = (uint16_t)(full_travel_ms >> OVERRUN_SHIFT);
+}
+
+/* Scales `travel.position_ms` from a travel time of `old_travel_ms`, at least as much, to
+ * `travel.full_ms`, rounding down: long multiplication and long division at once, a bit of the
+ * factor a turn. What is left over stays below `old_travel_ms`, so three times TRAVEL_MS_MAX is the
+ * most that 16 bits ever hold here. */
+static void scale_position(uint16_t old_travel_ms)
+{
+    uint16_t factor = travel.full_ms;
     uint16_t quotient = 0;
     uint16_t left_over = 0;
     uint8_t bits;
@@ -25,7 +36,7 @@ static uint16_t scaled(uint16_t position_ms, uint16_t new_travel_ms, uint16_t ol
         quotient = (uint16_t)(quotient << 1);
         left_over = (uint16_t)(left_over << 1);
         if ((factor & 0x8000u) != 0u) {
-            left_over += position_ms;
+            left_over += travel.position_ms;
         }
         factor = (uint16_t)(factor << 1);
         while (left_over >= old_travel_ms) {
@@ -33,7 +44,7 @@ static uint16_t scaled(uint16_t position_ms, uint16_t new_travel_ms, uint16_t ol
             quotient++;
         }
     }
-    return quotient;
+    travel.position_ms = quotient;
 }
 
 #define JOINT 0
@@ -65,13 +76,21 @@ static uint16_t scaled(uint16_t position_ms, uint16_t new_travel_ms, uint16_t ol
 
 void joints_reset(void)
 {
-    reset_0(FULL_TRAVEL_MS_RIGHT_ARM);
-    reset_1(FULL_TRAVEL_MS_LEFT_ARM);
-    reset_2(FULL_TRAVEL_MS_RIGHT_HAND);
-    reset_3(FULL_TRAVEL_MS_LEFT_HAND);
-    reset_4(FULL_TRAVEL_MS_TILT);
-    reset_5(FULL_TRAVEL_MS_RIGHT_LEG);
-    reset_6(FULL_TRAVEL_MS_LEFT_LEG);
+    travel.position_ms = 0;
+    set_travel(FULL_TRAVEL_MS_RIGHT_ARM);
+    take_travel_0();
+    set_travel(FULL_TRAVEL_MS_LEFT_ARM);
+    take_travel_1();
+    set_travel(FULL_TRAVEL_MS_RIGHT_HAND);
+    take_travel_2();
+    set_travel(FULL_TRAVEL_MS_LEFT_HAND);
+    take_travel_3();
+    set_travel(FULL_TRAVEL_MS_TILT);
+    take_travel_4();
+    set_travel(FULL_TRAVEL_MS_RIGHT_LEG);
+    take_travel_5();
+    set_travel(FULL_TRAVEL_MS_LEFT_LEG);
+    take_travel_6();
     joints_stop();
     joints.motors.driven_first = 0;
     joints.motors.driven_last = 0;
@@ -208,27 +227,28 @@ void joints_stop(void)
 
 void joints_configure(uint8_t joint, uint16_t full_travel_ms)
 {
+    set_travel(full_travel_ms);
     switch (joint) {
     case JOINT_RIGHT_ARM:
-        configure_0(full_travel_ms);
+        configure_0();
         break;
     case JOINT_LEFT_ARM:
-        configure_1(full_travel_ms);
+        configure_1();
         break;
     case JOINT_RIGHT_HAND:
-        configure_2(full_travel_ms);
+        configure_2();
         break;
     case JOINT_LEFT_HAND:
-        configure_3(full_travel_ms);
+        configure_3();
         break;
     case JOINT_TILT:
-        configure_4(full_travel_ms);
+        configure_4();
         break;
     case JOINT_RIGHT_LEG:
-        configure_5(full_travel_ms);
+        configure_5();
         break;
     default:
-        configure_6(full_travel_ms);
+        configure_6();
         break;
     }
 }

@@ -66,6 +66,14 @@ struct joint_drive {
     uint16_t remaining_ms; /* ticks until the movement under way ends */
 };
 
+/* A full travel time, and what is reckoned from it once. */
+struct travel {
+    uint16_t full_ms;
+    uint16_t middle_ms;
+    uint16_t overrun_ms;
+    uint16_t position_ms; /* of the joint that gets it */
+};
+
 /* The motors, bit j for joint j in each byte, so that one instruction reaches all of them. */
 struct motors {
     uint8_t towards_first; /* the sense commanded; */

@@ -27,24 +27,20 @@
 #define POSE_MASK ((uint8_t)(3u << POSE_SHIFT))
 #define POSE_OF(position) ((uint8_t)((uint8_t)(position) << POSE_SHIFT))
 
-static void NAME(set_full_travel)(uint16_t full_travel_ms)
+static void NAME(take_travel)(void)
 {
-    DRIVE.full_travel_ms = full_travel_ms;
-    DRIVE.middle_ms = (uint16_t)(full_travel_ms >> 1);
-    DRIVE.overrun_ms = (uint16_t)(full_travel_ms >> OVERRUN_SHIFT);
-}
-
-static void NAME(reset)(uint16_t full_travel_ms)
-{
-    NAME(set_full_travel)(full_travel_ms);
-    DRIVE.position_ms = 0;
+    DRIVE.full_travel_ms = travel.full_ms;
+    DRIVE.middle_ms = travel.middle_ms;
+    DRIVE.overrun_ms = travel.overrun_ms;
+    DRIVE.position_ms = travel.position_ms;
 }
 
 /* Takes a new full travel time; the position keeps its place between the end stops. */
-static void NAME(configure)(uint16_t full_travel_ms)
+static void NAME(configure)(void)
 {
-    DRIVE.position_ms = scaled(DRIVE.position_ms, full_travel_ms, DRIVE.full_travel_ms);
-    NAME(set_full_travel)(full_travel_ms);
+    travel.position_ms = DRIVE.position_ms;
+    scale_position(DRIVE.full_travel_ms);
+    NAME(take_travel)();
 }
 
 static void NAME(stop)(void)
@@ -186,7 +182,7 @@ static void NAME(travel_ended)(void)
 static void NAME(search_back)(void)
 {
     DRIVE.state = JOINT_STATE_SEARCHING_BACK;
-    DRIVE.remaining_ms = (uint16_t)(2u * DRIVE.overrun_ms);
+    DRIVE.remaining_ms = (uint16_t)(DRIVE.overrun_ms << 1);
     if ((joints.motors.towards_last & BIT) != 0u) {
         NAME(start_towards_first)();
     } else {

@@ -150,7 +150,7 @@ static enum status accept_step(void)
 static void configure(void)
 {
     uint8_t parameter = reception.content[CONFIGURE_PARAMETER];
-    uint16_t value = command_word(CONFIGURE_VALUE);
+    uint16_t value = COMMAND_WORD(CONFIGURE_VALUE);
 
     if (parameter == 0u) {
         dead_man.timeout_ms = value;
@@ -186,10 +186,9 @@ enum status controller_execute(void)
     return status;
 }
 
-static uint8_t presses_of(uint8_t first)
-{
-    return (uint8_t)(bumpers.presses[first] | (uint8_t)(bumpers.presses[first + 1u] << 4));
-}
+/* Presses of two bumpers, four bits each. */
+#define PRESSES_OF(first)                                                                          \
+    ((uint8_t)(bumpers.presses[(first)] | (uint8_t)(bumpers.presses[(first) + 1u] << 4)))
 
 void controller_report(void)
 {
@@ -201,15 +200,15 @@ void controller_report(void)
     transmission.report[REPORT_POSE_REACHED] = joints.pose_reached_low;
     transmission.report[REPORT_POSE_REACHED + 1u] = joints.pose_reached_high;
     transmission.report[REPORT_QUEUE_FREE] = queue_free();
-    report_put_word(REPORT_STEPS_ENDED, motion.steps_ended);
+    REPORT_PUT_WORD(REPORT_STEPS_ENDED, motion.steps_ended);
     transmission.report[REPORT_CAUSE] = (uint8_t)communication.cause;
     port_unlock();
     if (motion.supply_is_low) {
         transmission.report[REPORT_MOTORS] |= MOTORS_SUPPLY_LOW;
     }
-    transmission.report[REPORT_PRESSES] = presses_of(0u);
-    transmission.report[REPORT_PRESSES + 1u] = presses_of(2u);
-    transmission.report[REPORT_PRESSES + 2u] = presses_of(4u);
+    transmission.report[REPORT_PRESSES] = PRESSES_OF(0u);
+    transmission.report[REPORT_PRESSES + 1u] = PRESSES_OF(2u);
+    transmission.report[REPORT_PRESSES + 2u] = PRESSES_OF(4u);
     transmission.report[REPORT_BOOT] = communication.boot;
     transmission.report[REPORT_ERRORS] = reception.errors;
 }

@@ -51,12 +51,6 @@ bool controller_transmit_interrupt(void)
     return true;
 }
 
-void report_put_word(uint8_t offset, uint16_t word)
-{
-    transmission.report[offset] = (uint8_t)(word & 0xFFu);
-    transmission.report[offset + 1u] = (uint8_t)(word >> 8);
-}
-
 static void put_content(void)
 {
     uint8_t index;

@@ -51,6 +51,10 @@ bool transmission_take_owed(void);
 void transmission_begin(void);
 
 /* Puts a word into the report, low byte first. */
-void report_put_word(uint8_t offset, uint16_t word);
+#define REPORT_PUT_WORD(offset, word)                                                              \
+    do {                                                                                           \
+        transmission.report[(offset)] = (uint8_t)((word) & 0xFFu);                                 \
+        transmission.report[(offset) + 1u] = (uint8_t)((word) >> 8);                               \
+    } while (false)
 
 #endif

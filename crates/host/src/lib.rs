@@ -50,6 +50,7 @@ pub mod behaviour;
 pub mod cli;
 mod control;
 pub mod data;
+pub mod doctor;
 mod error;
 mod line;
 pub mod link;

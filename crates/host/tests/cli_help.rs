@@ -5,9 +5,10 @@ mod support;
 
 use support::User;
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "demo",
     "ports",
+    "doctor",
     "state",
     "init",
     "stop",

@@ -5,6 +5,7 @@ mod completions;
 mod demo;
 mod detect;
 mod do_primitives;
+mod doctor;
 mod init;
 mod look;
 mod play;
@@ -27,6 +28,7 @@ use super::exit::Status;
 pub(crate) enum Command {
     Demo(demo::Cmd),
     Ports(ports::Cmd),
+    Doctor(doctor::Cmd),
     State(state::Cmd),
     Init(init::Cmd),
     Stop(stop::Cmd),
@@ -46,6 +48,7 @@ impl Command {
         match self {
             Self::Demo(cmd) => cmd.run(context, out),
             Self::Ports(cmd) => cmd.run(context, out),
+            Self::Doctor(cmd) => cmd.run(context, out),
             Self::State(cmd) => cmd.run(context, out),
             Self::Init(cmd) => cmd.run(context, out),
             Self::Stop(cmd) => cmd.run(context, out),

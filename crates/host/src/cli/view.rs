@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
-use rsapien_protocol::{CameraReport, HelloReport, Joint, MotionReport, Pose};
+use rsapien_protocol::{CameraReport, HelloReport, Joint, MotionReport, Pose, StopCause};
 use serde_json::{Value, json};
 
+use crate::doctor::cause_in_words;
 use crate::{LinkState, RobotState};
 
 /// `2.4 s` of milliseconds.
@@ -70,13 +71,19 @@ pub(crate) fn camera(report: &CameraReport) -> Value {
     })
 }
 
-/// What a controller told of itself, for programs.
-fn information(report: &HelloReport) -> Value {
+/// What a controller told of itself, for programs. `boot` and `cause` are those of its last report: it may have been
+/// reset since HELLO.
+pub(crate) fn information(report: &HelloReport, boot: u8, cause: StopCause) -> Value {
+    let is_reset = matches!(cause, StopCause::PowerOn | StopCause::BrownOut | StopCause::Watchdog);
     json!({
         "firmware": firmware(report),
         "clock_mhz": report.clock_mhz,
         "queue_length": report.queue_length,
         "dead_man_ms": report.dead_man_ms,
+        "protocol": report.version,
+        "boot": boot,
+        "reset_cause": is_reset.then(|| cause.name()),
+        "cause_in_words": cause_in_words(cause),
     })
 }
 
@@ -98,9 +105,43 @@ pub(crate) fn state(link: &str, state: &RobotState) -> Value {
         "time_ms": state.time_ms,
         "motion": state.motion_report().map(|report| motion(&report)),
         "camera": state.camera_report().map(|report| camera(&report)),
-        "motion_information": state.motion_information.as_ref().map(information),
-        "camera_information": state.camera_information.as_ref().map(information),
+        "motion_information": motion_starts(state)
+            .map(|(report, boot, cause)| information(&report, boot, cause)),
+        "camera_information": camera_starts(state)
+            .map(|(report, boot, cause)| information(&report, boot, cause)),
     })
+}
+
+/// What the motion controller told of itself, with boot number and cause as it reported them last.
+fn motion_starts(state: &RobotState) -> Option<(HelloReport, u8, StopCause)> {
+    let hello = state.motion_information?;
+    let (boot, cause) = state
+        .motion_report()
+        .map_or((hello.boot, hello.cause), |report| (report.boot, report.cause));
+    Some((hello, boot, cause))
+}
+
+/// The same of the camera controller.
+fn camera_starts(state: &RobotState) -> Option<(HelloReport, u8, StopCause)> {
+    let hello = state.camera_information?;
+    let (boot, cause) = state
+        .camera_report()
+        .map_or((hello.boot, hello.cause), |report| (report.boot, report.cause));
+    Some((hello, boot, cause))
+}
+
+/// `firmware 0.1.0 at 40 MHz, dead-man 500 ms, boot 1, started by power-on`.
+fn information_text((report, boot, cause): (HelloReport, u8, StopCause)) -> String {
+    let dead_man = match report.dead_man_ms {
+        0 => "no dead-man".to_owned(),
+        ms => format!("dead-man {ms} ms"),
+    };
+    format!(
+        "firmware {} at {} MHz, {dead_man}, boot {boot}, {}",
+        firmware(&report),
+        report.clock_mhz,
+        cause_in_words(cause)
+    )
 }
 
 /// The whole state for people, without the last new line.
@@ -117,12 +158,11 @@ pub(crate) fn state_text(link: &str, state: &RobotState) -> String {
             let _ = write!(text, ", lost: {why}");
         }
     }
-    if let Some(report) = &state.motion_information {
-        let _ = write!(text, "\nfirmware  {} at {} MHz, ", firmware(report), report.clock_mhz);
-        let _ = match report.dead_man_ms {
-            0 => write!(text, "no dead-man"),
-            ms => write!(text, "dead-man {ms} ms"),
-        };
+    if let Some(starts) = motion_starts(state) {
+        let _ = write!(text, "\nmotion    {}", information_text(starts));
+    }
+    if let Some(starts) = camera_starts(state) {
+        let _ = write!(text, "\ncamera    {}", information_text(starts));
     }
     if let Some(report) = state.motion_report() {
         motion_text(&mut text, &report);
@@ -147,8 +187,9 @@ fn motion_text(text: &mut String, report: &MotionReport) {
         if names.is_empty() { "none".to_owned() } else { names.join(", ") }
     };
     let _ = write!(text, "\nmode      {}", report.mode.name());
-    if matches!(report.mode, rsapien_protocol::Mode::Held | rsapien_protocol::Mode::Fresh) {
-        let _ = write!(text, " ({})", report.cause.name());
+    if report.mode == rsapien_protocol::Mode::Held {
+        let _ =
+            write!(text, " ({}); rsapien init or rsapien stop releases it", report.cause.name());
     }
     let places: Vec<String> = Joint::ALL
         .into_iter()
@@ -167,3 +208,6 @@ fn motion_text(text: &mut String, report: &MotionReport) {
     let supply = if report.supply_low { "below 5 V: change the batteries" } else { "5 V" };
     let _ = write!(text, "\nsupply    {supply}");
 }
+
+#[cfg(test)]
+mod tests;

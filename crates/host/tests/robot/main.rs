@@ -3,6 +3,8 @@
 
 mod common;
 mod controllers;
+#[cfg(all(unix, feature = "serial"))]
+mod doctor;
 mod links;
 mod player;
 #[cfg(all(unix, feature = "serial"))]

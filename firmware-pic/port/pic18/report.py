@@ -21,6 +21,7 @@ from place_state import ACCESS_BEGIN
 from stack_depth import RETURN_LEVELS, Refused, measure
 
 BUDGET = {"motion": (12288, 900), "camera": (6144, 350)}
+SPECIAL_FUNCTION_REGISTERS = range(0xF80, 0x1000)
 NEEDS_NO_STACK = "_pins_reset"
 STACK_REGISTERS = ("POSTDEC1", "PREINC1", "POSTINC1", "FSR1L", "FSR2L", "PLUSW2", "CALL")
 
@@ -81,9 +82,10 @@ def main(arguments):
     if stack_bytes > end - begin + 1:
         wrong.append(f"up to {stack_bytes} bytes of stack; reserved are {end - begin + 1}")
     with open(f"{build}/image.symbols", "w", encoding="utf-8") as file:
-        for symbols in (linked.program, linked.data):
+        for symbols, left_out in ((linked.program, ()), (linked.data, SPECIAL_FUNCTION_REGISTERS)):
             for symbol, address in sorted(symbols.items(), key=lambda item: (item[1], item[0])):
-                file.write(f"{symbol} 0x{address:04x}\n")
+                if address not in left_out:
+                    file.write(f"{symbol} 0x{address:04x}\n")
     print(f"| {name} | {flash} | {flash_most} | {ram} | {ram_most} | {levels} of {RETURN_LEVELS} "
           f"| {stack_bytes} of {end - begin + 1} |")
     if wrong:

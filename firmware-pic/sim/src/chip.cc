@@ -21,7 +21,7 @@ namespace {
 
 constexpr unsigned rcon_address = 0xFD0;
 constexpr unsigned t1con_address = 0xFCD, t3con_address = 0xFB1;
-constexpr unsigned rcon_priority_enable = 0x80;
+constexpr unsigned rcon_priority_enable = 0x80, rcon_no_reset_instruction = 0x10;
 constexpr unsigned rcon_after_brown_out = 0x1E;  // RI, TO, PD, POR 1; BOR 0; IPEN 0
 
 const char *name_of(RESET_TYPE type) {
@@ -86,7 +86,8 @@ public:
         events_.tell("reset", get_cycles().get(), name_of(type));
         stop_serial_port(*processor_);
         Register *rcon = processor_->registers[rcon_address];
-        rcon->put_value(rcon->get_value() & ~rcon_priority_enable);
+        const unsigned cleared = rcon_priority_enable | (type == SOFT_RESET ? rcon_no_reset_instruction : 0);
+        rcon->put_value(rcon->get_value() & ~cleared);
     }
 
 private:
@@ -177,6 +178,7 @@ void Chip::write_eeprom(std::uint64_t address, std::uint64_t value) {
 }
 
 void Chip::reset(const std::string &cause) {
+    ClockPhase *const present = processor_->mCurrentPhase;
     if (cause == "power-on") {
         processor_->reset(POR_RESET);
     } else if (cause == "mclr") {
@@ -191,9 +193,23 @@ void Chip::reset(const std::string &cause) {
     } else {
         throw Failure("a reset is power-on, mclr or brown-out");
     }
-    // Time may stand inside a two-cycle instruction; its second half would set the program counter.
-    processor_->mCurrentPhase->setNextPhase(processor_->mExecute1Cycle);
+    continue_with(present, processor_->mExecute1Cycle);
     stopped_because_.clear();
+}
+
+void Chip::change_mclr(bool level, const std::function<void()> &drive) {
+    ClockPhase *const present = processor_->mCurrentPhase;
+    drive();
+    if (level) {
+        continue_with(present, processor_->mExecute1Cycle);
+    } else {
+        continue_with(present, processor_->mIdle);
+    }
+}
+
+void Chip::continue_with(ClockPhase *present, ClockPhase *next) {
+    present->setNextPhase(next);  // where time stands inside of gpsim's cycle
+    processor_->mCurrentPhase = next;  // where it stands before the first
 }
 
 unsigned Chip::program_counter() { return processor_->pma->get_PC(); }

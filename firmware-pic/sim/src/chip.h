@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "events.h"
 #include "options.h"
 
+class ClockPhase;
 class pic_processor;
 
 namespace bridge {
@@ -49,10 +51,17 @@ public:
     /// "power-on", "mclr" or "brown-out". The cycle count goes on. Throws `Failure` for other words.
     void reset(const std::string &cause);
 
+    /// Around a change of the MCLR pin, which `drive` makes: low holds the chip in reset.
+    void change_mclr(bool level, const std::function<void()> &drive);
+
     /// Byte address of the instruction that comes next.
     unsigned program_counter();
 
 private:
+    /// What the chip does in the next cycle. A reset may come inside a two-cycle instruction, whose second half
+    /// would set the program counter; and there gpsim's own choice is lost.
+    void continue_with(ClockPhase *present, ClockPhase *next);
+
     pic_processor *processor_ = nullptr;  // owned by gpsim
     std::unique_ptr<ResetProbe> probe_;
     std::unique_ptr<EepromTime> eeprom_time_;

@@ -116,7 +116,12 @@ std::string Commands::run(const Words &words) {
         if (words[2] != "0" && words[2] != "1") {
             throw Failure("a level is 0 or 1");
         }
-        Pins::drive(pin, words[2] == "1");
+        const bool level = words[2] == "1";
+        if (pin.name != "mclr") {
+            Pins::drive(pin, level);
+        } else if (level != pin.level) {
+            chip_.change_mclr(level, [&] { Pins::drive(pin, level); });
+        }
         return answer("");
     }
     if (command == "watch") {

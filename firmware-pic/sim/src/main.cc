@@ -28,6 +28,7 @@ int move_gpsims_words(bool is_verbose) {
     const int output = dup(STDOUT_FILENO);
     const int words = is_verbose ? dup(STDERR_FILENO) : open("/dev/null", O_WRONLY | O_CLOEXEC);
     dup2(words, STDOUT_FILENO);
+    std::setvbuf(stdout, nullptr, _IOLBF, 0);
     close(words);
     return output;
 }

@@ -22,15 +22,15 @@ public:
     Marks(const Marks &) = delete;
     Marks &operator=(const Marks &) = delete;
 
-    /// Marks a byte address. Throws `Failure` for an address that holds no instruction or
-    /// a name already in use.
+    /// Marks a byte address, which may have several names. Throws `Failure` for an address that holds
+    /// no instruction or a name already in use.
     void add(std::uint64_t address, const std::string &name);
     void remove(const std::string &name);
 
 private:
     Chip &chip_;
     Events &events_;
-    std::map<std::string, std::unique_ptr<Mark>> marks_;
+    std::map<std::uint64_t, std::unique_ptr<Mark>> marks_;
 };
 
 }  // namespace bridge

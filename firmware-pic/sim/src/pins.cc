@@ -114,7 +114,12 @@ std::vector<std::string> Pins::names() const {
     return names;
 }
 
-void Pins::drive(Pin &pin, bool level) { pin.wire->drive(level); }
+void Pins::drive(Pin &pin, bool level) {
+    pin.wire->drive(level);
+    if (pin.name == "mclr") {
+        pin.level = level;  // gpsim tells the levels of all other pins
+    }
+}
 
 void Pins::watch(const std::vector<std::string> &names) {
     for (const std::string &name : names) {

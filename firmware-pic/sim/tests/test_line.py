@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The serial line, bit by bit."""
+
+import random
+import unittest
+
+from bridge import BIT, LockStep, bytes_of, of_kind
+
+CHIP_BIT = 172  # SPBRG 42 at 40 MHz: 58140 baud
+
+
+def cycle_at(time):
+    """The nearest cycle, the later one of two."""
+    return int(time + 0.5)
+
+
+class Line(unittest.TestCase):
+    def test_echo_at_full_speed(self):
+        # Both directions at once, without a gap, nothing lost; the chip is 0.94 % faster than the line.
+        choice = random.Random(1)
+        data = bytes(choice.choice([b for b in range(256) if b not in (0xB0, 0xE0)]) for _ in range(5000))
+        with LockStep("echo") as chip:
+            chip.ok("advance 1000")
+            chip.ok("send " + data.hex())
+            events = chip.ok(f"advance {round(5010 * 10 * BIT)}")
+        self.assertEqual(bytes_of(events), data)
+        heard = [cycle for [cycle] in of_kind(events, "heard")]
+        self.assertEqual(len(heard), len(data))
+        # Fractions of a cycle do not add up: each byte is where the line's rate puts it.
+        for number, cycle in enumerate(heard):
+            self.assertLessEqual(abs(cycle - (1001 + (10 * number + 9.5) * BIT)), 1)
+        self.assertEqual(of_kind(events, "framing"), [])
+
+    def test_stamps_are_the_middle_of_the_stop_bit(self):
+        with LockStep("echo") as chip:
+            chip.ok("watch rc6 rc7")
+            chip.ok("advance 1000")
+            chip.ok("send 55 3000")
+            events = chip.ok("advance 8000")
+        in_edges = [event[0] for event in of_kind(events, "edge") if event[1] == "rc7"]
+        out_edges = [event[0] for event in of_kind(events, "edge") if event[1] == "rc6"]
+        self.assertEqual(in_edges, [cycle_at(3000 + bit * BIT) for bit in range(10)])
+        self.assertEqual(of_kind(events, "heard"), [[cycle_at(3000 + 9.5 * BIT)]])
+        self.assertEqual([b - a for a, b in zip(out_edges, out_edges[1:])], [CHIP_BIT] * 9)
+        [[stamp, byte]] = of_kind(events, "byte")
+        self.assertEqual(byte, "55")
+        self.assertEqual(stamp, cycle_at(out_edges[0] + 9.5 * BIT))
+
+    def test_framing_errors_towards_the_chip(self):
+        with LockStep("echo") as chip:
+            chip.ok("advance 1000")
+            chip.ok("send 41")
+            chip.ok("send-framing 42")
+            chip.ok("send 43")
+            events = chip.ok("advance 10000")
+            self.assertEqual(bytes_of(events), bytes([0x41, 0xEE, 0x43]))
+            # The line idles for one bit after the missing stop bit.
+            heard = [cycle for [cycle] in of_kind(events, "heard")]
+            self.assertEqual([round((b - a) / BIT) for a, b in zip(heard, heard[1:])], [10, 11])
+
+    def test_framing_errors_from_the_chip(self):
+        with LockStep("echo") as chip:
+            chip.ok("advance 1000")
+            chip.ok("send B0")
+            events = chip.ok("advance 30000")
+            self.assertEqual(len(of_kind(events, "framing")), 1)
+            chip.ok("send 44")
+            self.assertEqual(bytes_of(chip.ok("advance 10000")), b"\x44")
+
+    def test_a_wrong_rate_is_noticed(self):
+        with LockStep("echo", "--baud", "54900") as chip:  # 5.9 % slower than the chip
+            chip.ok("advance 1000")
+            chip.ok("send 55AA00FF")
+            events = chip.ok("advance 20000")
+        self.assertNotEqual(bytes_of(events), bytes([0x55, 0xAA, 0x00, 0xFF]))
+
+    def test_at_cycle_and_queue(self):
+        with LockStep("echo") as chip:
+            chip.ok("send 01 5000")
+            chip.ok("send 02")       # behind the one before
+            chip.ok("send 03 20000")
+            heard = [cycle for [cycle] in of_kind(chip.ok("advance 25000"), "heard")]
+        self.assertEqual(heard, [cycle_at(5000 + 9.5 * BIT), cycle_at(5000 + 19.5 * BIT), cycle_at(20000 + 9.5 * BIT)])

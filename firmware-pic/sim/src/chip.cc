@@ -11,6 +11,7 @@
 #include <gpsim/pic-processor.h>
 #include <gpsim/sim_context.h>
 
+#include "compare_mode.h"
 #include "eeprom_time.h"
 #include "failure.h"
 #include "hex_image.h"
@@ -130,6 +131,7 @@ Chip::Chip(const Options &options, Events &events) : events_(events) {
     processor_->wdt.set_timeout(watchdog_ms / 1000);
     processor_->setBreakOnReset(false);
     correct_reset_values(*processor_);
+    keep_timer2_from_compare_modes(*processor_);
     processor_->reset(POR_RESET);
     probe_ = std::make_unique<ResetProbe>(processor_, events_);
     eeprom_time_ = std::make_unique<EepromTime>(*processor_, options.cycles_per_second());

@@ -9,7 +9,7 @@ use rsapien::link::virtual_robot::{
     VirtualRobotConfig,
 };
 use rsapien::protocol::{Address, BumperMask, Joint, Mode, Pose, Position, Step, StopCause};
-use rsapien::{Interruption, Outcome, PlayOptions, Robot, RobotOptions};
+use rsapien::{Outcome, PlayOptions, Robot, RobotOptions};
 use rsapien_registry::{CompileOptions, Registry};
 use rsapien_sim::server::{Simulator, SimulatorConfig};
 use rsapien_sim::world::World;
@@ -27,8 +27,10 @@ fn hex_folder() -> PathBuf {
     workspace().join("firmware-pic/hex")
 }
 
+/// The built simulator of the chips, or the one of the command's variable.
 fn simulator_of_chips() -> PathBuf {
-    workspace().join("target/firmware/sim/rsapien-gpsim")
+    std::env::var_os("RSAPIEN_GPSIM")
+        .map_or_else(|| workspace().join("target/firmware/sim/rsapien-gpsim"), PathBuf::from)
 }
 
 fn config(world: World) -> VirtualRobotConfig {
@@ -114,23 +116,18 @@ fn bumpers_stops_and_silence_end_motion() {
     motion.init().unwrap();
     let up = Pose::EMPTY.with(Joint::LeftArm, Some(Position::First));
     let step = Step { ending_bumpers: BumperMask::FEET, ..Step::new(up, 1500) };
-    let mut is_pressed = false;
-    let mut options = PlayOptions {
-        on_progress: Some(Box::new(|progress| {
-            if progress.elapsed_ms > 200 && !is_pressed {
-                is_pressed = true;
-                assert_eq!(tried.truth().motors().towards_first, 1 << Joint::LeftArm.index());
-                tried.truth().press_bumper(2, true);
-            }
-        })),
-        ..PlayOptions::default()
-    };
-    let report = motion.play(&[step], &mut options).unwrap();
-    drop(options);
-    assert!(
-        matches!(report.outcome, Outcome::Interrupted { by: Interruption::Bumper(_) }),
-        "{report}"
-    );
+    motion.step(step).unwrap();
+    tried.robot.sleep_ms(200).unwrap();
+    assert_eq!(tried.truth().motors().towards_first, 1 << Joint::LeftArm.index());
+    tried.truth().press_bumper(2, true);
+    let begin_ms = tried.robot.now_ms();
+    let held = motion.wait_for(100, |state| {
+        state.motion_report().is_some_and(|report| report.mode == Mode::Held)
+    });
+    assert!(held.unwrap().is_some(), "never held");
+    assert!(tried.robot.now_ms() - begin_ms < 120);
+    let report = motion.refresh().unwrap().motion_report().unwrap();
+    assert_eq!(report.cause, StopCause::Bumper);
     assert_eq!(tried.truth().motors().running(), 0);
     tried.truth().press_bumper(2, false);
 
@@ -142,9 +139,13 @@ fn bumpers_stops_and_silence_end_motion() {
     assert_eq!(tried.truth().motors().running(), 0);
     assert_eq!(motion.refresh().unwrap().motion_report().unwrap().mode, Mode::Stopped);
 
+    // All the way down takes the arm a second.
+    let down = Pose::EMPTY.with(Joint::LeftArm, Some(Position::Last));
     motion.init().unwrap();
-    motion.step(Step::new(up, 1500)).unwrap();
-    tried.robot.sleep_ms(200).unwrap();
+    motion.play(&[Step::new(up, 800)], &mut PlayOptions::default()).unwrap();
+    motion.step(Step::new(down, 1500)).unwrap();
+    tried.robot.sleep_ms(100).unwrap();
+    assert_ne!(tried.truth().motors().running(), 0);
     let mut truth = tried.truth();
     truth.pull_cable(true);
     let pulled_ms = truth.now_ms();
@@ -239,6 +240,9 @@ fn the_client_of_the_protocol_page_talks_to_the_firmware() {
     assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
     assert!(said.contains("steps ended: 1"), "{said}");
     let right_arm = simulator.robot().lock().joints()[0];
-    assert!(right_arm < 0.01, "the arm it sent up is at {right_arm} of its travel; it said: {said}");
+    assert!(
+        right_arm < 0.01,
+        "the arm it sent up is at {right_arm} of its travel; it said: {said}"
+    );
     simulator.stop();
 }

@@ -3,7 +3,7 @@
 
 import unittest
 
-from bridge import LockStep, bytes_of, of_kind
+from bridge import LockStep, bytes_of, image, of_kind
 
 RCON, STKPTR, INTCON, TXSTA, RCSTA, TRISD, LATD, IPR1, PIE1, T2CON = (
     0xFD0, 0xFFC, 0xFF2, 0xFAC, 0xFAB, 0xF95, 0xF8C, 0xF9F, 0xF9D, 0xFCA)
@@ -77,6 +77,12 @@ class Resets(unittest.TestCase):
         with LockStep("watchdog", "--watchdog-ms", "9") as chip:
             self.assertEqual(len(self.resets(chip, 1_000_000)), 5)
 
+    def test_watchdog_off_in_a_record_at_an_odd_address(self):
+        with open(image("odd_records")) as file:
+            self.assertIn("300001"[2:], [line[3:7] for line in file])
+        with LockStep("odd_records", "--watchdog-ms", "1") as chip:
+            self.assertEqual(self.resets(chip, 5_000_000), [])
+
     def test_outputs_fall_with_the_reset(self):
         with LockStep("watchdog") as chip:
             chip.ok("advance 1000")
@@ -134,3 +140,16 @@ class Resets(unittest.TestCase):
             self.assertEqual(chip.ok("advance 10000"), [])
             chip.ok("set mclr 1")
             self.assertEqual(len(chip.ok("advance 1000")), 20)
+
+
+class Compare(unittest.TestCase):
+    def test_edges_of_the_compare_units(self):
+        with LockStep("servo", "--processor", "p18f2321") as chip:
+            edges = of_kind(chip.ok("advance 500000"), "edge")
+        rise = edges[0][0]
+        expected = []
+        for begin in range(rise, 500_001, 6500):
+            expected += [[begin, "rc2", "1"], [begin + 100, "rc1", "1"],
+                         [begin + 1500, "rc2", "0"], [begin + 1600, "rc1", "0"]]
+        self.assertEqual(edges, [edge for edge in expected if edge[0] <= 500_000])
+        self.assertGreater(len(edges), 300)

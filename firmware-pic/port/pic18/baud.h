@@ -16,14 +16,14 @@
 #error "RSAPIEN_BAUD is 19200, 38400, 57600 or 115200"
 #endif
 
-#define CLOCK_HZ (RSAPIEN_CLOCK_MHZ * 1000000)
+#define CLOCK_HZ (RSAPIEN_CLOCK_MHZ * 1000000L)
 
 /* The divisor that comes nearest. */
-#define BAUD_DIVISOR ((CLOCK_HZ + (8 * RSAPIEN_BAUD)) / (16 * RSAPIEN_BAUD))
+#define BAUD_DIVISOR ((CLOCK_HZ + (8L * RSAPIEN_BAUD)) / (16L * RSAPIEN_BAUD))
 #define BAUD_SPBRG (BAUD_DIVISOR - 1)
 
 /* The clock that this divisor would want. */
-#define BAUD_CLOCK_HZ (16 * BAUD_DIVISOR * RSAPIEN_BAUD)
+#define BAUD_CLOCK_HZ (16L * BAUD_DIVISOR * RSAPIEN_BAUD)
 #if CLOCK_HZ > BAUD_CLOCK_HZ
 #define BAUD_CLOCK_DIFFERENCE_HZ (CLOCK_HZ - BAUD_CLOCK_HZ)
 #else

@@ -99,7 +99,7 @@ void interrupts_begin(void)
     PR2 = TICK_PR2;
     T2CON = TICK_T2CON;
 
-    SPBRG = BAUD_SPBRG;
+    SPBRG = (uint8_t)BAUD_SPBRG;
     TXSTA = (uint8_t)(TXSTA_BRGH | TXSTA_TXEN);
     RCSTA = (uint8_t)(RCSTA_SPEN | RCSTA_CREN);
 

@@ -9,11 +9,14 @@
 
 #define FRAME_MS 20u
 #define LEAD_US 750u
-#define NEUTRAL_US 1500u
 
-/* Timer1 counts instruction cycles. 0.01 degree is 0.1 us: a count at 40 MHz, a tenth at 4 MHz. */
+/* 1500 us in tenths, which 0.01 degree is one of. */
+#define NEUTRAL_TENTHS_US 15000
+
+/* Timer1 counts instruction cycles: tenths of a us at 40 MHz, us at 4 MHz. */
+#define FRAME_COUNTS ((uint16_t)(FRAME_MS * 250u * (uint32_t)RSAPIEN_CLOCK_MHZ)) /* modulo 65536 */
 #define COUNTS_OF_US(us) ((uint16_t)(((us) * RSAPIEN_CLOCK_MHZ) / 4u))
-#define CENTIDEG_OF_COUNT (40 / RSAPIEN_CLOCK_MHZ)
+#define TENTHS_US_OF_COUNT (40u / RSAPIEN_CLOCK_MHZ)
 
 /* CCPxM3:0. Off leaves the pin to its latch, which is 0. */
 #define COMPARE_OFF 0x00
@@ -31,20 +34,20 @@ void servo_begin(void)
     servo.pulse_begins = false;
     servo.asked = true;
     servo.driven = false;
+    servo.rise = COUNTS_OF_US(LEAD_US);
+    TMR1H = 0;
+    TMR1L = 0;
     T1CON = (uint8_t)(T1CON_RD16 | T1CON_TMR1ON);
 }
 
 static void frame_begins(void)
 {
+    servo.rise += FRAME_COUNTS;
     if (!servo.driven) {
         CCP1CON = COMPARE_OFF;
         CCP2CON = COMPARE_OFF;
         return;
     }
-    /* Reading the low byte keeps the high byte that belongs to it. */
-    servo.rise = TMR1L;
-    servo.rise |= (uint16_t)((uint16_t)TMR1H << 8);
-    servo.rise += COUNTS_OF_US(LEAD_US);
     CCPR1H = (uint8_t)(servo.rise >> 8);
     CCPR1L = (uint8_t)servo.rise;
     CCPR2H = (uint8_t)(servo.rise >> 8);
@@ -54,7 +57,8 @@ static void frame_begins(void)
     servo.pulse_begins = true;
 }
 
-/* The pins are high: setting the mode, which makes them high, changes nothing. */
+/* The frame's own pulses, which the main routine may have reckoned anew by now: a servo takes no
+ * harm from the newer. The pins are high: setting the mode, which makes them high, changes nothing. */
 static void pulse_ends_at_match(void)
 {
     uint16_t pan_fall = servo.rise + servo.pan_counts;
@@ -74,10 +78,10 @@ void servo_tick(void)
     servo.frame_ms++;
     if (servo.frame_ms == FRAME_MS) {
         servo.frame_ms = 0;
+        servo.asked = true;
         frame_begins();
     } else if (servo.pulse_begins) {
         pulse_ends_at_match();
-        servo.asked = true;
     } else {
         /* The units do the rest. */
     }
@@ -85,7 +89,7 @@ void servo_tick(void)
 
 static uint16_t pulse_counts(int16_t centideg)
 {
-    return (uint16_t)((int16_t)COUNTS_OF_US(NEUTRAL_US) + (int16_t)(centideg / CENTIDEG_OF_COUNT));
+    return (uint16_t)((uint16_t)(NEUTRAL_TENTHS_US + centideg) / TENTHS_US_OF_COUNT);
 }
 
 void servo_pass(void)

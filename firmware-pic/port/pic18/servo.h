@@ -10,7 +10,7 @@
  *      Timer1 + 750 us        the rising edge + pulse
  *
  * The tick at which the second match is set comes 250 us after the rising edge; the shortest pulse
- * is 600 us, so that tick may be 350 us late.
+ * is 600 us, so that tick may be 350 us late. Frames begin every 20 ms of Timer1, to the cycle.
  */
 #ifndef RSAPIEN_PIC18_SERVO_H
 #define RSAPIEN_PIC18_SERVO_H
@@ -30,6 +30,7 @@ struct servo {
 
 extern struct servo servo;
 
+/* Right before the tick begins: Timer1 and the tick, which divide the same clock, then keep step. */
 void servo_begin(void);
 
 /* Low-priority interrupt, every ms, before anything that takes a varying time. */

@@ -30,7 +30,9 @@ pub(super) fn check(case: &mut Case<'_>) {
             .iter()
             .any(|link| matches!(link, LinkAddress::Serial(path) if *path == device.path));
         // Who made a pseudo-terminal keeps it open, and a line that is held needs no second word.
-        if is_held || device.is_pseudo_terminal() {
+        // What is no serial port, such as /dev/null, is told when it is opened.
+        let entry = format!("/sys/class/tty/{}", device.name());
+        if is_held || device.is_pseudo_terminal() || !case.machine.path(&entry).exists() {
             continue;
         }
         for (pid, name) in programs_at(&device, &case.machine) {

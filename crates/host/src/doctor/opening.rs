@@ -38,6 +38,8 @@ fn refused(error: &Error) -> Finding {
         Error::LinkOpen { link, .. } if link.starts_with("tcp://") => {
             finding("cannot-open").remedy("start what listens there: a robot, or rsapien sim --tcp")
         }
-        _ => finding("cannot-open").remedy("plug the adapter out and in again; dmesg tells more"),
+        _ => finding("cannot-open")
+            .remedy("name a serial port: rsapien ports lists what there is")
+            .remedy("if it is one, plug the adapter out and in again; dmesg tells more"),
     }
 }

@@ -10,6 +10,9 @@ use crate::Error;
 
 pub(super) const NAME: &str = "line";
 
+/// Packages sent again that are no pattern yet.
+const SPIKES_MAX: u32 = 2;
+
 /// The most packages that are sent, whatever the link's clock says.
 const PACKAGES_MAX: u32 = 10_000;
 
@@ -107,7 +110,7 @@ fn counters(line: &mut ProbeLine) -> Result<Option<CountersReport>, Error> {
     })
 }
 
-fn errors(quality: &LineQuality) -> Finding {
+pub(super) fn errors(quality: &LineQuality) -> Finding {
     let LineQuality { requests, resent, lost, errors_here, measured_ms, .. } = *quality;
     if resent + lost + quality.errors() == 0 {
         let found =
@@ -130,7 +133,7 @@ fn errors(quality: &LineQuality) -> Finding {
         }
     }
     // A spike now and then is what resends are for.
-    if quality.troubled_per_mille() < 10 && lost == 0 {
+    if lost == 0 && (resent <= SPIKES_MAX || quality.troubled_per_mille() < 10) {
         return Finding::advice(NAME, "line-errors", found)
             .remedy("nothing, if it stays so; rsapien doctor again tells");
     }

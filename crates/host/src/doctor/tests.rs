@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use super::device::Device;
 use super::machine::Machine;
 use super::permission::{self, Access};
-use super::{Connections, Diagnosis, DoctorOptions, Finding, Severity, examine_over};
+use super::{Connections, Diagnosis, DoctorOptions, Finding, LineQuality, Severity, examine_over};
 use crate::link::virtual_robot::{Pace, SharedVirtualRobot, VirtualConnector, VirtualOptions};
 use crate::link::{Connect, Link, RealClock};
 use crate::lock::LineLock;
@@ -336,6 +336,27 @@ fn a_noisy_line_is_measured_at_both_ends() {
     assert!(quality.errors_here > 0 && quality.errors_there.unwrap() > 0, "{quality:?}");
     assert!(quality.framing_errors > 0, "{quality:?}");
     assert_eq!(problems(&diagnosis), ["line-bad"]);
+}
+
+#[test]
+fn a_spike_is_no_illness_and_lost_answers_are() {
+    let quality = LineQuality { requests: 90, resent: 2, errors_here: 1, ..LineQuality::default() };
+    assert_eq!(super::quality::errors(&quality).severity, Severity::Advice);
+    for (resent, lost) in [(3, 0), (3, 1)] {
+        let finding = super::quality::errors(&LineQuality { lost, resent, ..quality });
+        assert_eq!((finding.code, finding.severity), ("line-bad", Severity::Problem));
+    }
+    let finding = super::quality::errors(&LineQuality { requests: 1000, resent: 9, ..quality });
+    assert_eq!(finding.severity, Severity::Advice, "less than one of a hundred");
+}
+
+#[test]
+fn what_is_no_serial_port_is_told_when_it_is_opened() {
+    let options = DoctorOptions::default();
+    let address = LinkAddress::Serial("/dev/null".to_owned());
+    let diagnosis = super::examine(&address, &options, &mut |_| {});
+    assert_eq!(problems(&diagnosis), ["cannot-open"], "{diagnosis:#?}");
+    assert!(diagnosis.verdict().next.contains("rsapien ports"));
 }
 
 #[test]

@@ -16,6 +16,7 @@
 #include "failure.h"
 #include "hex_image.h"
 #include "reset_values.h"
+#include "serial_port.h"
 
 namespace bridge {
 namespace {
@@ -64,8 +65,8 @@ double nominal_watchdog_ms(const std::string &processor) {
 /// takes the place of an unimplemented address, behaves like it otherwise and tells the cause.
 class ResetProbe : public InvalidRegister {
 public:
-    ResetProbe(pic_processor *processor, Events &events)
-        : InvalidRegister(processor, "reset-probe"), processor_(processor), events_(events) {
+    ResetProbe(pic_processor *processor, SerialPort &serial_port, Events &events)
+        : InvalidRegister(processor, "reset-probe"), processor_(processor), serial_port_(serial_port), events_(events) {
         for (unsigned i = 0; i < processor->rma.get_size(); ++i) {
             if (processor->registers[i]->isa() == INVALID_REGISTER) {
                 address = i;
@@ -85,7 +86,7 @@ public:
             return;
         }
         events_.tell("reset", get_cycles().get(), name_of(type));
-        stop_serial_port(*processor_);
+        serial_port_.stop();
         Register *rcon = processor_->registers[rcon_address];
         const unsigned cleared = rcon_priority_enable | (type == SOFT_RESET ? rcon_no_reset_instruction : 0);
         rcon->put_value(rcon->get_value() & ~cleared);
@@ -93,6 +94,7 @@ public:
 
 private:
     pic_processor *processor_;
+    SerialPort &serial_port_;
     Events &events_;
     Register *replaced_ = nullptr;
 };
@@ -133,7 +135,8 @@ Chip::Chip(const Options &options, Events &events) : events_(events) {
     correct_reset_values(*processor_);
     keep_timer2_from_compare_modes(*processor_);
     processor_->reset(POR_RESET);
-    probe_ = std::make_unique<ResetProbe>(processor_, events_);
+    serial_port_ = std::make_unique<SerialPort>(*processor_);
+    probe_ = std::make_unique<ResetProbe>(processor_, *serial_port_, events_);
     eeprom_time_ = std::make_unique<EepromTime>(*processor_, options.cycles_per_second());
 }
 

@@ -20,6 +20,7 @@ namespace bridge {
 
 class EepromTime;
 class ResetProbe;
+class SerialPort;
 
 class Chip {
 public:
@@ -31,6 +32,7 @@ public:
     Chip &operator=(const Chip &) = delete;
 
     pic_processor &processor() { return *processor_; }
+    SerialPort &serial_port() { return *serial_port_; }
 
     /// Instruction cycles (Fosc/4) since power-on. The same in all commands and events.
     static std::uint64_t cycle();
@@ -63,6 +65,7 @@ private:
     void continue_with(ClockPhase *present, ClockPhase *next);
 
     pic_processor *processor_ = nullptr;  // owned by gpsim
+    std::unique_ptr<SerialPort> serial_port_;
     std::unique_ptr<ResetProbe> probe_;
     std::unique_ptr<EepromTime> eeprom_time_;
     Events &events_;

@@ -18,8 +18,8 @@ constexpr std::uint64_t end_of_recovery = end_of_frame + 2;
 
 }  // namespace
 
-LineSender::LineSender(const Options &options, Pins &pins, Events &events, bool tells)
-    : time_(options), pin_(pins.find(options.receive_pin)), events_(events), tells_(tells) {}
+LineSender::LineSender(const Options &options, Chip &chip, Pins &pins, Events &events, bool tells)
+    : time_(options), port_(chip.serial_port()), pin_(pins.find(options.receive_pin)), events_(events), tells_(tells) {}
 
 void LineSender::send(std::uint8_t byte, std::uint64_t at_cycle, bool is_framed) {
     if (queue_.size() >= capacity) {
@@ -75,6 +75,7 @@ void LineSender::callback() {
     }
     const std::uint64_t bit = half_bit_ / 2;
     if (bit == 0) {
+        port_.refuse_while_overrun();
         Pins::drive(pin_, false);
     } else if (bit < stop_bit) {
         Pins::drive(pin_, (frame_.byte >> (bit - 1) & 1) != 0);

@@ -12,9 +12,11 @@
 
 #include <gpsim/trigger.h>
 
+#include "chip.h"
 #include "events.h"
 #include "options.h"
 #include "pins.h"
+#include "serial_port.h"
 
 namespace bridge {
 
@@ -39,7 +41,7 @@ public:
     /// Most bytes that may wait in the queue.
     static constexpr std::size_t capacity = 1 << 20;
 
-    LineSender(const Options &options, Pins &pins, Events &events, bool tells);
+    LineSender(const Options &options, Chip &chip, Pins &pins, Events &events, bool tells);
 
     /// Queues a byte that begins behind the ones before it, but not before `at_cycle`; with
     /// `is_framed` false its stop bit is low, and the line is idle for one bit after it.
@@ -61,6 +63,7 @@ private:
     void arm();
 
     LineTime time_;
+    SerialPort &port_;
     Pin &pin_;
     Events &events_;
     bool tells_;

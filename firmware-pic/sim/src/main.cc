@@ -39,7 +39,7 @@ int move_gpsims_words(bool is_verbose) {
     Events events(options.lockstep ? 0 : most_events_free_running);
     Chip chip(options, events);
     Pins pins(chip, options, events);
-    LineSender sender(options, pins, events, options.lockstep);
+    LineSender sender(options, chip, pins, events, options.lockstep);
     LineReceiver receiver(options, pins, events, options.lockstep);
     Commands commands(options, chip, pins, sender, events);
     std::optional<PseudoTerminal> terminal;

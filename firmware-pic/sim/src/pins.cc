@@ -29,7 +29,8 @@ private:
     Pin &pin_;
 };
 
-/// What is wired to one pin outside the chip: a level behind a resistor, against which an output always wins.
+/// What is wired to one pin outside the chip: a level behind a resistor, against which an output (150 ohm) always
+/// and the chip's own pull-up (20 kilohm) never wins.
 /// Without such a node gpsim lets an input follow its own latch.
 class PinWire {
 public:
@@ -45,7 +46,7 @@ public:
     }
 
 private:
-    static constexpr double resistance_ohm = 10e3;
+    static constexpr double resistance_ohm = 1e3;
     static constexpr double supply_volt = 5;
 
     stimulus source_;

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "reset_values.h"
 
-#include <initializer_list>
-
-#include <gpsim/gpsim_time.h>
 #include <gpsim/pic-processor.h>
-#include <gpsim/uart.h>
 
 namespace bridge {
 namespace {
@@ -34,7 +30,6 @@ constexpr Range set_at_each_reset[] = {
 };
 
 constexpr unsigned ipr1_address = 0xF9F, ipr2_address = 0xFA2;
-constexpr unsigned txsta_address = 0xFAC;
 constexpr int pins_with_parallel_port = 40;
 
 void set_power_on_value(pic_processor &processor, unsigned address, unsigned value) {
@@ -54,19 +49,6 @@ void correct_reset_values(pic_processor &processor) {
             }
         }
     }
-}
-
-void stop_serial_port(pic_processor &processor) {
-    auto *transmit = dynamic_cast<_TXSTA *>(processor.registers[txsta_address]);
-    if (transmit == nullptr) {
-        return;
-    }
-    for (TriggerObject *part : std::initializer_list<TriggerObject *>{transmit, transmit->txreg, transmit->rcsta}) {
-        get_cycles().clear_break(part);
-    }
-    get_cycles().clear_break(transmit->spbrg);
-    transmit->spbrg->running = false;
-    transmit->spbrg->last_cycle = get_cycles().get();
 }
 
 }  // namespace bridge

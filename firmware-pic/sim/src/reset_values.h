@@ -13,8 +13,4 @@ namespace bridge {
 /// priorities, which are high after each reset and low in gpsim.
 void correct_reset_values(pic_processor &processor);
 
-/// For every reset, before gpsim's own: takes back what the serial port still had planned. gpsim leaves it,
-/// and a port that the firmware starts anew within a bit's time then stands still for good.
-void stop_serial_port(pic_processor &processor);
-
 }  // namespace bridge

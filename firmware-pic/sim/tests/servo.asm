@@ -26,6 +26,10 @@ first   macro   match, cycle
         bcf     TRISC, 1
         movlw   0x81            ; 16 bits at once, 1:1, on
         movwf   T1CON
+        movlw   .249
+        movwf   PR2
+        movlw   0x4D            ; a tick of Timer2, which has nothing to do with all this
+        movwf   T2CON
         first   CCPR1L, .2000
         first   CCPR2L, .2100
 pulse:  movlw   0x08

@@ -5,8 +5,8 @@ import unittest
 
 from bridge import LockStep, bytes_of, image, of_kind
 
-RCON, STKPTR, INTCON, TXSTA, RCSTA, TRISD, LATD, IPR1, PIE1, T2CON = (
-    0xFD0, 0xFFC, 0xFF2, 0xFAC, 0xFAB, 0xF95, 0xF8C, 0xF9F, 0xF9D, 0xFCA)
+RCON, STKPTR, INTCON2, INTCON, TXSTA, RCSTA, TRISD, LATD, IPR1, PIE1, T2CON = (
+    0xFD0, 0xFFC, 0xFF1, 0xFF2, 0xFAC, 0xFAB, 0xF95, 0xF8C, 0xF9F, 0xF9D, 0xFCA)
 RESET_WHILE_WAITING = 360_000  # watchdog.asm: 18 ms, postscaler 1:2
 
 
@@ -27,6 +27,14 @@ class Pins(unittest.TestCase):
             # An output wins against what is wired to it.
             chip.ok("set rd1 1")
             self.assertEqual(chip.value("get rd1"), "0")
+
+    def test_a_closed_switch_wins_against_the_pull_up(self):
+        with LockStep("echo") as chip:
+            chip.ok("advance 100")
+            chip.ok(f"register {INTCON2} 0x75")  # RBPU = 0
+            chip.ok("set rb0 0")
+            self.assertEqual(chip.value("register 0xF81"), "0xFE")
+            self.assertEqual([edge[1:] for edge in of_kind(chip.ok("advance 100"), "edge")], [["rd1", "0"]])
 
     def test_an_input_does_not_follow_its_latch(self):
         with LockStep("echo") as chip:

@@ -81,3 +81,27 @@ class Line(unittest.TestCase):
             chip.ok("send 03 20000")
             heard = [cycle for [cycle] in of_kind(chip.ok("advance 25000"), "heard")]
         self.assertEqual(heard, [cycle_at(5000 + 9.5 * BIT), cycle_at(5000 + 19.5 * BIT), cycle_at(20000 + 9.5 * BIT)])
+
+    def receive_unread(self, *commands):
+        """What `fifo` finds in the registers after bytes that nothing read: FERR and RCREG twice, then OERR."""
+        with LockStep("fifo") as chip:
+            chip.ok("advance 100")
+            for command in commands:
+                chip.ok(command)
+            chip.ok("advance 10000")
+            chip.ok("set rb0 0")
+            chip.ok("advance 100")
+            status = [int(chip.value(f"register {0x20 + i}"), 16) for i in range(3)]
+            data = [int(chip.value(f"register {0x10 + i}"), 16) for i in range(2)]
+            # Two more bytes behind it: not received while OERR stands.
+            chip.ok("send 5152")
+            chip.ok("advance 6000")
+            more = int(chip.value("register 0xF9E"), 16) & 0x20  # RCIF
+            return [(bool(s & 4), d) for s, d in zip(status, data)], bool(status[2] & 2), bool(more)
+
+    def test_fifo_and_overrun(self):
+        good, bad = False, True
+        self.assertEqual(self.receive_unread("send 4142"), ([(good, 0x41), (good, 0x42)], False, True))
+        self.assertEqual(self.receive_unread("send-framing C1", "send 42"), ([(bad, 0xC1), (good, 0x42)], False, True))
+        self.assertEqual(self.receive_unread("send 41", "send-framing 82"), ([(good, 0x41), (bad, 0x82)], False, True))
+        self.assertEqual(self.receive_unread("send 414243"), ([(good, 0x41), (good, 0x42)], True, False))

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "serial_port.h"
+
+#include <initializer_list>
+
+#include <gpsim/16bit-processors.h>
+#include <gpsim/gpsim_time.h>
+#include <gpsim/uart.h>
+
+#include "failure.h"
+
+namespace bridge {
+namespace {
+
+constexpr unsigned rcreg_address = 0xFAE;
+
+/// RCREG with its FIFO of two bytes, each with its own FERR. gpsim's reads the older of two bytes twice and loses
+/// the other, has one FERR for both, and does not shift a byte without stop bit into place.
+class ReceiveFifo : public _RCREG {
+public:
+    ReceiveFifo(_16bit_processor &processor, USART_MODULE &port)
+        : _RCREG(&processor, "rcreg-fifo", nullptr, &port), port_(port) {
+        address = rcreg_address;
+        assign_rcsta(&port.rcsta);
+    }
+
+    void push(unsigned received) override {
+        const bool is_framed = (port_.rcsta.value.get() & _RCSTA::FERR) == 0;
+        if (count_ == size) {
+            port_.rcsta.overrun();
+        } else {
+            entries_[count_++] = {is_framed ? received : port_.rcsta.rsr >> 1, is_framed};
+        }
+        show_front();
+        port_.set_rcif();
+    }
+
+    void pop() override {
+        if (count_ == 0) {
+            return;
+        }
+        value.put(entries_[0].byte & 0xFF);
+        entries_[0] = entries_[1];
+        --count_;
+        show_front();
+        if (count_ == 0) {
+            port_.clear_rcif();
+        }
+    }
+
+    unsigned get() override {
+        pop();
+        return value.get();
+    }
+
+private:
+    static constexpr unsigned size = 2;
+    struct Entry {
+        unsigned byte;
+        bool is_framed;
+    };
+
+    /// FERR is that of the byte which is read next, and stays when there is none.
+    void show_front() {
+        if (count_ > 0) {
+            const unsigned status = port_.rcsta.value.get();
+            port_.rcsta.value.put(entries_[0].is_framed ? status & ~_RCSTA::FERR : status | _RCSTA::FERR);
+        }
+    }
+
+    USART_MODULE &port_;
+    Entry entries_[size] = {};
+    unsigned count_ = 0;
+};
+
+USART_MODULE &port_of(pic_processor &processor) {
+    auto *const wide = dynamic_cast<_16bit_processor *>(&processor);
+    if (wide == nullptr || wide->usart.rcreg == nullptr || processor.registers[rcreg_address] != wide->usart.rcreg) {
+        throw Failure("the processor has no serial port where an 18F452 has it");
+    }
+    return wide->usart;
+}
+
+}  // namespace
+
+SerialPort::SerialPort(pic_processor &processor)
+    : processor_(processor), port_(port_of(processor)), replaced_(port_.rcreg) {
+    fifo_ = std::make_unique<ReceiveFifo>(dynamic_cast<_16bit_processor &>(processor), port_);
+    processor.registers[rcreg_address] = port_.rcreg = port_.rcsta.rcreg = fifo_.get();
+}
+
+SerialPort::~SerialPort() {
+    processor_.registers[rcreg_address] = port_.rcreg = port_.rcsta.rcreg = replaced_;
+}
+
+void SerialPort::stop() {
+    for (TriggerObject *part : std::initializer_list<TriggerObject *>{&port_.txsta, port_.txreg, &port_.rcsta,
+                                                                      &port_.spbrg}) {
+        get_cycles().clear_break(part);
+    }
+    port_.spbrg.running = false;
+    port_.spbrg.last_cycle = get_cycles().get();
+}
+
+void SerialPort::refuse_while_overrun() {
+    if ((port_.rcsta.value.get() & _RCSTA::OERR) != 0) {
+        port_.rcsta.state = _RCSTA::RCSTA_DISABLED;
+    }
+}
+
+}  // namespace bridge

@@ -3,7 +3,7 @@
 //! Nothing is moved: HELLO, STATE and COUNTERS are all that is ever sent. A line that another program of this library
 //! holds is left alone, since HELLO would end that program's session.
 //!
-//! Each step is a file with one function, named in [`CHECKS`] in the order in which they run: from the computer (ports,
+//! Each step is a file with one function, named in `CHECKS` in the order in which they run: from the computer (ports,
 //! permission, adapter, other programs) over the line (speed, who answers) to the robot (firmware, resets, supply,
 //! switches) and how well packages go to and fro. A step that needs what an earlier one did not get is told as not
 //! reached. Files of the system are read below [`DoctorOptions::system_root`], so that a test brings its own.

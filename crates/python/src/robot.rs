@@ -7,7 +7,7 @@ use crate::waiting;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rsapien::link::virtual_robot::Pace;
+use rsapien::link::virtual_robot::{Controllers, FirmwareConfig, Pace};
 use rsapien::protocol::{Status, Step};
 use rsapien::sim::world::World;
 use rsapien::{
@@ -15,6 +15,7 @@ use rsapien::{
     PlayReport, Robot, RobotOptions, SensorsController, StopHandle,
 };
 use rsapien_registry::ActionStep;
+use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What is held of the robot while it is open; the controllers are taken when they are first used.
@@ -124,12 +125,25 @@ impl PyRobot {
     }
 
     #[staticmethod]
-    #[pyo3(signature = (*, seed=0, world="demo", fast=false))]
-    fn r#virtual(py: Python<'_>, seed: u64, world: &str, fast: bool) -> PyResult<PyRobot> {
+    #[pyo3(signature = (*, seed=0, world="demo", fast=false, firmware=None, simulator=None))]
+    fn r#virtual(
+        py: Python<'_>,
+        seed: u64,
+        world: &str,
+        fast: bool,
+        firmware: Option<PathBuf>,
+        simulator: Option<PathBuf>,
+    ) -> PyResult<PyRobot> {
         let mut options = RobotOptions::new("python");
         options.virtual_robot.pace = if fast { Pace::Fast } else { Pace::Real };
         options.virtual_robot.config.seed = seed;
         options.virtual_robot.config.world = World::named(world).map_err(value_error)?;
+        if let Some(folder) = firmware {
+            let simulator = simulator.unwrap_or_else(|| PathBuf::from("rsapien-gpsim"));
+            let found = FirmwareConfig::find(&folder, simulator, options.baud);
+            options.virtual_robot.config.controllers =
+                Controllers::Firmware(found.map_err(value_error)?);
+        }
         PyRobot::start(py, &LinkAddress::Virtual, options)
     }
 

@@ -32,6 +32,15 @@ def test_init_play_and_state(robot):
     assert told == sorted(told)
 
 
+def test_a_firmware_that_cannot_run_is_told_of(tmp_path):
+    with pytest.raises(ValueError, match="no firmware of the motion controller"):
+        rsapien.Robot.virtual(firmware=tmp_path)
+    for name in ("motion-18f452", "camera-18f2320"):
+        (tmp_path / f"rsapien-{name}-40mhz-57600.hex").touch()
+    with pytest.raises(rsapien.RsapienError, match="make -C firmware-pic/sim"):
+        rsapien.Robot.virtual(firmware=str(tmp_path), simulator=tmp_path / "none")
+
+
 def test_do_takes_the_short_forms(robot):
     robot.init()
     assert robot.do("right-arm-up+left-arm-up:1200", "13:600")

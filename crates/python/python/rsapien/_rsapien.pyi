@@ -208,8 +208,19 @@ class Robot:
     def open(link: str = "auto", *, baud: int = 57600) -> Robot:
         """``auto``, ``/dev/ttyUSB0``, ``COM3``, ``tcp://host:port`` or ``virtual``."""
     @staticmethod
-    def virtual(*, seed: int = 0, world: str = "demo", fast: bool = False) -> Robot:
-        """A virtual robot of its own; ``fast`` runs on a virtual clock."""
+    def virtual(
+        *,
+        seed: int = 0,
+        world: str = "demo",
+        fast: bool = False,
+        firmware: Optional[Union[str, PathLike[str]]] = None,
+        simulator: Optional[Union[str, PathLike[str]]] = None,
+    ) -> Robot:
+        """A virtual robot of its own; ``fast`` runs on a virtual clock.
+
+        ``firmware``, a folder of hex files, runs the firmware itself in ``simulator``, the simulator of
+        its chips (``rsapien-gpsim``, where programs are installed).
+        """
     @property
     def link(self) -> str: ...
     def init(self) -> None:

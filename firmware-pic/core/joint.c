@@ -2,6 +2,7 @@
 #include "joint.h"
 
 #include "controller.h"
+#include "inline.h"
 #include "port.h"
 #include "queue.h"
 
@@ -70,40 +71,88 @@ static void scale_position(uint16_t old_travel_ms)
 #define JOINT 6
 #include "joint_routines.h"
 
-/* Whether a joint's bits are set in a pose word's low or high byte, and in a byte of joints. */
-#define NAMED(pose, shift) (((pose) & (uint8_t)(3u << (shift))) != 0u)
+/* Whether a joint's bit is set in a byte of joints. */
 #define HAS(byte, joint) (((byte) & (uint8_t)(1u << (joint))) != 0u)
+
+static void motors_off(void)
+{
+    joints.motors.towards_first = 0;
+    joints.motors.towards_last = 0;
+    joints.motors.dead_time = 0;
+}
 
 void joints_reset(void)
 {
     travel.position_ms = 0;
     set_travel(FULL_TRAVEL_MS_RIGHT_ARM);
     take_travel_0();
+    forget_0();
     set_travel(FULL_TRAVEL_MS_LEFT_ARM);
     take_travel_1();
+    forget_1();
     set_travel(FULL_TRAVEL_MS_RIGHT_HAND);
     take_travel_2();
+    forget_2();
     set_travel(FULL_TRAVEL_MS_LEFT_HAND);
     take_travel_3();
+    forget_3();
     set_travel(FULL_TRAVEL_MS_TILT);
     take_travel_4();
+    forget_4();
     set_travel(FULL_TRAVEL_MS_RIGHT_LEG);
     take_travel_5();
+    forget_5();
     set_travel(FULL_TRAVEL_MS_LEFT_LEG);
     take_travel_6();
-    joints_stop();
+    forget_6();
+    motors_off();
     joints.motors.driven_first = 0;
     joints.motors.driven_last = 0;
     joints.motors.start_first = 0;
     joints.motors.start_last = 0;
-    joints.pose_reached_low = 0;
-    joints.pose_reached_high = 0;
     joints.switches_closed = 0;
 }
 
 uint8_t joints_moving(void)
 {
     return (uint8_t)(joints.motors.towards_first | joints.motors.towards_last);
+}
+
+uint8_t joints_pose_reached_low(void)
+{
+    uint8_t moving = joints_moving();
+    uint8_t pose = 0;
+
+    if (!HAS(moving, 0)) {
+        pose |= joints.drive[0].target;
+    }
+    if (!HAS(moving, 1)) {
+        pose |= joints.drive[1].target;
+    }
+    if (!HAS(moving, 2)) {
+        pose |= joints.drive[2].target;
+    }
+    if (!HAS(moving, 3)) {
+        pose |= joints.drive[3].target;
+    }
+    return pose;
+}
+
+uint8_t joints_pose_reached_high(void)
+{
+    uint8_t moving = joints_moving();
+    uint8_t pose = 0;
+
+    if (!HAS(moving, 4)) {
+        pose |= joints.drive[4].target;
+    }
+    if (!HAS(moving, 5)) {
+        pose |= joints.drive[5].target;
+    }
+    if (!HAS(moving, 6)) {
+        pose |= joints.drive[6].target;
+    }
+    return pose;
 }
 
 void joints_drive_pins(void)
@@ -169,27 +218,13 @@ void joints_advance(void)
 
 void joints_send(void)
 {
-    if (NAMED(step.pose_low, 0)) {
-        send_0();
-    }
-    if (NAMED(step.pose_low, 2)) {
-        send_1();
-    }
-    if (NAMED(step.pose_low, 4)) {
-        send_2();
-    }
-    if (NAMED(step.pose_low, 6)) {
-        send_3();
-    }
-    if (NAMED(step.pose_high, 0)) {
-        send_4();
-    }
-    if (NAMED(step.pose_high, 2)) {
-        send_5();
-    }
-    if (NAMED(step.pose_high, 4)) {
-        send_6();
-    }
+    send_0();
+    send_1();
+    send_2();
+    send_3();
+    send_4();
+    send_5();
+    send_6();
     joints_start();
 }
 
@@ -220,9 +255,30 @@ void joints_home(void)
 
 void joints_stop(void)
 {
-    joints.motors.towards_first = 0;
-    joints.motors.towards_last = 0;
-    joints.motors.dead_time = 0;
+    uint8_t moving = joints_moving();
+
+    if (HAS(moving, 0)) {
+        forget_0();
+    }
+    if (HAS(moving, 1)) {
+        forget_1();
+    }
+    if (HAS(moving, 2)) {
+        forget_2();
+    }
+    if (HAS(moving, 3)) {
+        forget_3();
+    }
+    if (HAS(moving, 4)) {
+        forget_4();
+    }
+    if (HAS(moving, 5)) {
+        forget_5();
+    }
+    if (HAS(moving, 6)) {
+        forget_6();
+    }
+    motors_off();
 }
 
 void joints_configure(uint8_t joint, uint16_t full_travel_ms)

@@ -58,7 +58,9 @@ enum joint_state {
 /* What is reckoned of one joint. */
 struct joint_drive {
     enum joint_state state;
-    uint8_t target; /* an enum position, where the joint's bits are in a pose word */
+    /* Where it is going, or where it rests if it arrived there: an enum position, where the
+     * joint's bits are in a pose word. POSITION_NONE: it rests anywhere. */
+    uint8_t target;
     uint16_t full_travel_ms;
     uint16_t middle_ms;  /* half of it, */
     uint16_t overrun_ms; /* an eighth of it: both kept, since a PIC18 shifts slowly */
@@ -88,9 +90,7 @@ struct motors {
 struct joints {
     struct joint_drive drive[JOINT_COUNT];
     struct motors motors;
-    uint8_t pose_reached_low;  /* pose word of where the joints rest, if they arrived there */
-    uint8_t pose_reached_high;
-    uint8_t switches_closed;   /* SWITCH_LEFT, SWITCH_RIGHT */
+    uint8_t switches_closed; /* SWITCH_LEFT, SWITCH_RIGHT */
 };
 
 extern struct joints joints;
@@ -99,6 +99,10 @@ void joints_reset(void);
 
 /* Joints whose motor is on, or will be after its dead time. */
 uint8_t joints_moving(void);
+
+/* Pose word of where joints rest, if they arrived there. */
+uint8_t joints_pose_reached_low(void);
+uint8_t joints_pose_reached_high(void);
 
 /* Puts the motors' outputs on the pins. */
 void joints_drive_pins(void);

@@ -16,11 +16,9 @@
 
 /* Where the joint stands in a pose word. */
 #if JOINT < 4
-#define POSE_REACHED joints.pose_reached_low
 #define POSE_SENT step.pose_low
 #define POSE_SHIFT (2u * JOINT)
 #else
-#define POSE_REACHED joints.pose_reached_high
 #define POSE_SENT step.pose_high
 #define POSE_SHIFT (2u * (JOINT - 4u))
 #endif
@@ -43,120 +41,93 @@ static void NAME(configure)(void)
     NAME(take_travel)();
 }
 
-static void NAME(stop)(void)
+/* Resting somewhere, from now on. */
+INLINE void NAME(forget)(void)
 {
-    joints.motors.towards_first &= NOT_BIT;
-    joints.motors.towards_last &= NOT_BIT;
-    joints.motors.dead_time &= NOT_BIT;
+    DRIVE.target = POSITION_NONE;
 }
 
 /* The joint has arrived where it was sent. */
 static void NAME(arrive)(void)
 {
-    NAME(stop)();
-    POSE_REACHED = (uint8_t)((POSE_REACHED & (uint8_t)~POSE_MASK) | DRIVE.target);
+    joints.motors.towards_first &= NOT_BIT;
+    joints.motors.towards_last &= NOT_BIT;
+    joints.motors.dead_time &= NOT_BIT;
+    joints.motors.start_first &= NOT_BIT;
+    joints.motors.start_last &= NOT_BIT;
 }
 
-/* The motor's bits follow for all joints at once, in joints_start(). */
-static void NAME(start_towards_first)(void)
-{
-    joints.motors.start_first |= BIT;
-    POSE_REACHED &= (uint8_t)~POSE_MASK;
-}
-
-static void NAME(start_towards_last)(void)
-{
-    joints.motors.start_last |= BIT;
-    POSE_REACHED &= (uint8_t)~POSE_MASK;
-}
-
+/* The motor's other bits follow for all joints at once, in joints_start(). */
 static void NAME(go_to_middle)(void)
 {
-    bool is_before = DRIVE.position_ms < DRIVE.middle_ms;
-
     DRIVE.state = JOINT_STATE_TRAVELLING;
-    if (is_before) {
+    if (DRIVE.position_ms < DRIVE.middle_ms) {
         DRIVE.remaining_ms = (uint16_t)(DRIVE.middle_ms - DRIVE.position_ms);
+        joints.motors.start_last |= BIT;
     } else {
         DRIVE.remaining_ms = (uint16_t)(DRIVE.position_ms - DRIVE.middle_ms);
+        joints.motors.start_first |= BIT;
     }
 #ifdef JOINT_SWITCH
     /* A closed switch far from the reckoned middle is stuck: it is not believed. */
     if (((joints.switches_closed & JOINT_SWITCH) != 0u) &&
         (DRIVE.remaining_ms <= DRIVE.overrun_ms)) {
         NAME(arrive)();
-        return;
-    }
-    if (DRIVE.remaining_ms == 0u) {
+    } else if (DRIVE.remaining_ms == 0u) {
         DRIVE.state = JOINT_STATE_SEARCHING;
         DRIVE.remaining_ms = DRIVE.overrun_ms;
-        is_before = true;
+        joints.motors.start_first &= NOT_BIT;
+        joints.motors.start_last |= BIT;
+    } else {
+        /* On its way. */
     }
 #else
     if (DRIVE.remaining_ms == 0u) {
         NAME(arrive)();
-        return;
     }
 #endif
-    if (is_before) {
-        NAME(start_towards_last)();
-    } else {
-        NAME(start_towards_first)();
-    }
 }
 
 /* The way to the end stop that the joint is going to, from where it is. */
-static void NAME(reckon_way_to_first)(void)
+INLINE void NAME(reckon_way_to_first)(void)
 {
     DRIVE.remaining_ms = (uint16_t)(DRIVE.position_ms + DRIVE.overrun_ms);
 }
 
-static void NAME(reckon_way_to_last)(void)
+INLINE void NAME(reckon_way_to_last)(void)
 {
     DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms - DRIVE.position_ms);
     DRIVE.remaining_ms += DRIVE.overrun_ms;
 }
 
-/* Sets out for the target from where the joint is. */
-static void NAME(go)(void)
-{
-    if (DRIVE.target == POSE_OF(POSITION_FIRST)) {
-        DRIVE.state = JOINT_STATE_TRAVELLING;
-        NAME(reckon_way_to_first)();
-        NAME(start_towards_first)();
-    } else if (DRIVE.target == POSE_OF(POSITION_LAST)) {
-        DRIVE.state = JOINT_STATE_TRAVELLING;
-        NAME(reckon_way_to_last)();
-        NAME(start_towards_last)();
-    } else {
-        NAME(go_to_middle)();
-    }
-}
-
-/* Sends the joint where `step` says, unless it is there or already going there. */
-static void NAME(send)(void)
+/* Sends the joint where `step` says, if it says so, unless it is there or already going there. */
+INLINE void NAME(send)(void)
 {
     uint8_t target = (uint8_t)(POSE_SENT & POSE_MASK);
-    uint8_t has;
 
-    if (((joints.motors.towards_first | joints.motors.towards_last) & BIT) != 0u) {
-        has = DRIVE.target;
-    } else {
-        has = (uint8_t)(POSE_REACHED & POSE_MASK);
-    }
-    if (has != target) {
+    if ((target != 0u) && (target != DRIVE.target)) {
         DRIVE.target = target;
-        NAME(go)();
+        if (target == POSE_OF(POSITION_FIRST)) {
+            DRIVE.state = JOINT_STATE_TRAVELLING;
+            NAME(reckon_way_to_first)();
+            joints.motors.start_first |= BIT;
+        } else if (target == POSE_OF(POSITION_LAST)) {
+            DRIVE.state = JOINT_STATE_TRAVELLING;
+            NAME(reckon_way_to_last)();
+            joints.motors.start_last |= BIT;
+        } else {
+            NAME(go_to_middle)();
+        }
     }
 }
 
 /* INIT: to the first end stop from an unknown position, then to the middle. */
-static void NAME(home)(void)
+INLINE void NAME(home)(void)
 {
     DRIVE.target = POSE_OF(POSITION_MIDDLE);
     DRIVE.state = JOINT_STATE_HOMING;
     DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms + DRIVE.overrun_ms);
-    NAME(start_towards_first)();
+    joints.motors.start_first |= BIT;
 }
 
 static void NAME(travel_ended)(void)
@@ -179,14 +150,14 @@ static void NAME(travel_ended)(void)
 }
 
 #ifdef JOINT_SWITCH
-static void NAME(search_back)(void)
+INLINE void NAME(search_back)(void)
 {
     DRIVE.state = JOINT_STATE_SEARCHING_BACK;
     DRIVE.remaining_ms = (uint16_t)(DRIVE.overrun_ms << 1);
     if ((joints.motors.towards_last & BIT) != 0u) {
-        NAME(start_towards_first)();
+        joints.motors.start_first |= BIT;
     } else {
-        NAME(start_towards_last)();
+        joints.motors.start_last |= BIT;
     }
 }
 #endif
@@ -203,14 +174,15 @@ static void NAME(movement_ended)(void)
         if (DRIVE.state == JOINT_STATE_SEARCHING) {
             NAME(search_back)();
         } else {
-            NAME(stop)();
+            NAME(arrive)();
+            NAME(forget)();
         }
 #endif
     }
 }
 
 /* Timer routine, for a joint whose outputs are on: 1 ms has passed. */
-static void NAME(advance)(void)
+INLINE void NAME(advance)(void)
 {
     if ((joints.motors.towards_last & BIT) != 0u) {
         if (DRIVE.position_ms < DRIVE.full_travel_ms) {
@@ -241,29 +213,44 @@ static bool NAME(is_near_middle)(void)
     return way_ms <= (uint16_t)(DRIVE.full_travel_ms >> BELIEVED_SHIFT);
 }
 
+INLINE void NAME(set_first_edge)(void)
+{
+    DRIVE.position_ms = (uint16_t)(DRIVE.full_travel_ms >> SWITCH_HALF_WINDOW_SHIFT);
+    DRIVE.position_ms = (uint16_t)(DRIVE.middle_ms - DRIVE.position_ms);
+}
+
+INLINE void NAME(set_last_edge)(void)
+{
+    DRIVE.position_ms = (uint16_t)(DRIVE.full_travel_ms >> SWITCH_HALF_WINDOW_SHIFT);
+    DRIVE.position_ms += DRIVE.middle_ms;
+}
+
 static void NAME(switch_changed)(void)
 {
     bool is_closed = (joints.switches_closed & JOINT_SWITCH) != 0u;
-    bool is_towards_last = (joints.motors.towards_last & BIT) != 0u;
     bool is_to_middle = (DRIVE.target == POSE_OF(POSITION_MIDDLE));
-    uint16_t half_window_ms = (uint16_t)(DRIVE.full_travel_ms >> SWITCH_HALF_WINDOW_SHIFT);
 
-    if ((!is_towards_last && ((joints.motors.towards_first & BIT) == 0u)) ||
-        (DRIVE.state == JOINT_STATE_HOMING) || (is_to_middle && !is_closed) ||
-        !NAME(is_near_middle)()) {
+    if (((joints_moving() & BIT) == 0u) || (DRIVE.state == JOINT_STATE_HOMING) ||
+        (is_to_middle && !is_closed) || !NAME(is_near_middle)()) {
         return;
     }
-    if (is_towards_last == is_closed) {
-        DRIVE.position_ms = (uint16_t)(DRIVE.middle_ms - half_window_ms);
+    if ((joints.motors.towards_last & BIT) != 0u) {
+        if (is_closed) {
+            NAME(set_first_edge)();
+        } else {
+            NAME(set_last_edge)();
+        }
+        NAME(reckon_way_to_last)();
     } else {
-        DRIVE.position_ms = (uint16_t)(DRIVE.middle_ms + half_window_ms);
+        if (is_closed) {
+            NAME(set_last_edge)();
+        } else {
+            NAME(set_first_edge)();
+        }
+        NAME(reckon_way_to_first)();
     }
     if (is_to_middle) {
         NAME(arrive)();
-    } else if (is_towards_last) {
-        NAME(reckon_way_to_last)();
-    } else {
-        NAME(reckon_way_to_first)();
     }
 }
 #endif
@@ -274,7 +261,6 @@ static void NAME(switch_changed)(void)
 #undef JOIN
 #undef NAME_FOR
 #undef NAME
-#undef POSE_REACHED
 #undef POSE_SENT
 #undef POSE_SHIFT
 #undef POSE_MASK

@@ -197,8 +197,8 @@ void controller_report(void)
     transmission.report[REPORT_INPUTS] =
         (uint8_t)(bumpers.pressed | (uint8_t)(joints.switches_closed << INPUTS_SWITCHES_SHIFT));
     transmission.report[REPORT_MOTORS] = joints_moving();
-    transmission.report[REPORT_POSE_REACHED] = joints.pose_reached_low;
-    transmission.report[REPORT_POSE_REACHED + 1u] = joints.pose_reached_high;
+    transmission.report[REPORT_POSE_REACHED] = joints_pose_reached_low();
+    transmission.report[REPORT_POSE_REACHED + 1u] = joints_pose_reached_high();
     transmission.report[REPORT_QUEUE_FREE] = queue_free();
     REPORT_PUT_WORD(REPORT_STEPS_ENDED, motion.steps_ended);
     transmission.report[REPORT_CAUSE] = (uint8_t)communication.cause;

@@ -19,10 +19,8 @@ void command_reset(void)
     command.duplicates = 0;
 }
 
-static bool ends_at(uint8_t end)
-{
-    return reception.content_used <= end;
-}
+/* Whether the bytes from `end` on, which the kind does not use, are 0. */
+#define ENDS_AT(end) (reception.content_used <= (end))
 
 static bool is_hello_valid(void)
 {
@@ -67,30 +65,38 @@ static bool is_aim_valid(void)
  * argument, or to be executed. */
 static enum status analyse_request(void)
 {
-    bool valid;
-
     switch (CONTENT[ACTION_KIND]) {
-    case KIND_HELLO:
-        valid = ends_at(HELLO_END) && is_hello_valid();
-        break;
-    case KIND_CONFIGURE:
-        valid = ends_at(CONFIGURE_END) && is_configure_valid();
-        break;
 #ifdef RSAPIEN_MOTION
     case KIND_STEP:
-        valid = ends_at(STEP_END) && is_step_valid();
+        if (!ENDS_AT(STEP_END) || !is_step_valid()) {
+            return STATUS_BAD_ARGUMENT;
+        }
         break;
     case KIND_INIT:
 #else
     case KIND_AIM:
-        valid = ends_at(AIM_END) && is_aim_valid();
+        if (!ENDS_AT(AIM_END) || !is_aim_valid()) {
+            return STATUS_BAD_ARGUMENT;
+        }
         break;
     case KIND_HOME:
 #endif
     case KIND_STATE:
     case KIND_STOP:
     case KIND_COUNTERS:
-        valid = ends_at(ACTION_ARGUMENTS);
+        if (!ENDS_AT(ACTION_ARGUMENTS)) {
+            return STATUS_BAD_ARGUMENT;
+        }
+        break;
+    case KIND_HELLO:
+        if (!ENDS_AT(HELLO_END) || !is_hello_valid()) {
+            return STATUS_BAD_ARGUMENT;
+        }
+        break;
+    case KIND_CONFIGURE:
+        if (!ENDS_AT(CONFIGURE_END) || !is_configure_valid()) {
+            return STATUS_BAD_ARGUMENT;
+        }
         break;
 #ifdef RSAPIEN_MOTION
     case KIND_AIM:
@@ -103,7 +109,7 @@ static enum status analyse_request(void)
     default:
         return STATUS_UNKNOWN_KIND;
     }
-    return valid ? STATUS_TO_BE_EXECUTED : STATUS_BAD_ARGUMENT;
+    return STATUS_TO_BE_EXECUTED;
 }
 
 static enum status open_session(void)

@@ -57,3 +57,17 @@ void crc_add(uint8_t byte)
     crc.low = low;
     crc.high = high;
 }
+
+uint8_t crc_take_bits(void)
+{
+    uint8_t bits = (uint8_t)(crc.low & 0x7Fu);
+    uint8_t high = crc.high;
+
+    crc.high = (uint8_t)(high >> 7);
+    high = (uint8_t)(high << 1);
+    if ((crc.low & 0x80u) != 0u) {
+        high |= 0x01u;
+    }
+    crc.low = high;
+    return bits;
+}

@@ -22,4 +22,7 @@ void crc_begin(void);
 /* Takes one more byte into `crc`. */
 void crc_add(uint8_t byte);
 
+/* The next seven bits of a finished `crc`, as they go over the line: bits 0-6, 7-13, 14-15. */
+uint8_t crc_take_bits(void);
+
 #endif

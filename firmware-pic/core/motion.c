@@ -123,7 +123,7 @@ static void initialise(void)
 
 static enum status accept_step(void)
 {
-    bool replaces = (reception.content[STEP_FLAGS] & STEP_FLAG_REPLACE) != 0u;
+    uint8_t replaces = (uint8_t)(reception.content[STEP_FLAGS] & STEP_FLAG_REPLACE);
 
     if (!motion.initialised && (motion.mode != MODE_INITIALISING)) {
         return STATUS_NOT_INITIALISED;
@@ -131,7 +131,7 @@ static enum status accept_step(void)
     if (motion.mode == MODE_HELD) {
         return STATUS_HELD;
     }
-    if (replaces) {
+    if (replaces != 0u) {
         queue_clear();
     }
     step.pose_low = reception.content[STEP_POSE];
@@ -139,7 +139,7 @@ static enum status accept_step(void)
     step.duration_low_ms = reception.content[STEP_DURATION];
     step.duration_high_ms = reception.content[STEP_DURATION + 1u];
     step.ending_bumpers = reception.content[STEP_BUMPERS];
-    if ((motion.mode == MODE_INITIALISING) || ((motion.mode == MODE_EXECUTING) && !replaces)) {
+    if ((motion.mode == MODE_INITIALISING) || ((motion.mode == MODE_EXECUTING) && (replaces == 0u))) {
         return queue_append() ? STATUS_ACCEPTED : STATUS_QUEUE_FULL;
     }
     /* No step waits in any other mode, so this one is the next. */

@@ -2,6 +2,7 @@
 #include "reception.h"
 
 #include "controller.h"
+#include "inline.h"
 #include "crc.h"
 
 #define RING_MASK (RECEIVE_RING_LENGTH - 1u)
@@ -96,42 +97,40 @@ static void line_error(uint8_t sort)
     }
 }
 
-static void take_header(uint8_t byte)
+INLINE void take_header(void)
 {
     if (reception.state != RECEPTION_HUNTING) {
         abandon_package();
     }
-    if (byte == HEADER_FOR_ME) {
+    if (reception.byte == HEADER_FOR_ME) {
         crc_begin();
-        crc_add(byte);
+        crc_add(reception.byte);
         reception.content_index = 0;
         reception.content_used = 0;
         reception.state = RECEPTION_SYNCHRONIZATION;
     }
 }
 
-static void take_synchronization(uint8_t byte)
+INLINE void take_synchronization(void)
 {
-    reception.top_bits = byte;
+    reception.top_bits = reception.byte;
     reception.group_index = 0;
-    crc_add(byte);
+    crc_add(reception.byte);
     reception.state = RECEPTION_DATA;
 }
 
-static void take_data(uint8_t byte)
+INLINE void take_data(void)
 {
-    uint8_t value = byte;
-
+    crc_add(reception.byte);
     if ((reception.top_bits & 0x01u) != 0u) {
-        value |= 0x80u;
+        reception.byte |= 0x80u;
     }
     reception.top_bits >>= 1;
-    reception.content[reception.content_index] = value;
+    reception.content[reception.content_index] = reception.byte;
     reception.content_index++;
-    if (value != 0u) {
+    if (reception.byte != 0u) {
         reception.content_used = reception.content_index;
     }
-    crc_add(byte);
     reception.group_index++;
     if (reception.group_index == GROUP_DATA_LENGTH) {
         reception.state = RECEPTION_SYNCHRONIZATION;
@@ -143,30 +142,18 @@ static void take_data(uint8_t byte)
     }
 }
 
-/* The check's bits 0-6, 7-13 and 14-15, as three data bytes. Tells whether a package is intact. */
-static bool take_check(uint8_t byte)
+/* Takes the check's next byte; tells whether it completed an intact package. */
+static bool take_check(void)
 {
-    uint8_t expected;
-
-    if (reception.group_index == 0u) {
-        expected = (uint8_t)(crc.low & 0x7Fu);
-    } else if (reception.group_index == 1u) {
-        expected = (uint8_t)((uint8_t)(crc.high << 1) & 0x7Fu);
-        if ((crc.low & 0x80u) != 0u) {
-            expected |= 0x01u;
-        }
-    } else {
-        expected = (uint8_t)(crc.high >> 6);
-        if (byte > LAST_CHECK_BYTE_MAX) {
-            abandon_package();
-            return false;
-        }
-    }
-    if (byte != expected) {
+    if (crc_take_bits() != reception.byte) {
         reception.check_differs = true;
     }
     reception.group_index++;
     if (reception.group_index != CHECK_LENGTH) {
+        return false;
+    }
+    if (reception.byte > LAST_CHECK_BYTE_MAX) {
+        abandon_package();
         return false;
     }
     reception.state = RECEPTION_HUNTING;
@@ -179,26 +166,28 @@ static bool take_check(uint8_t byte)
     return true;
 }
 
-/* Takes one line byte; tells whether it completed an intact package. */
-static bool take_byte(uint8_t byte)
+/* Takes `reception.byte`; tells whether it completed an intact package. */
+static bool take_byte(void)
 {
     reception.silence_ms = 0;
-    if (IS_HEADER(byte)) {
-        take_header(byte);
-    } else if (reception.state == RECEPTION_HUNTING) {
-        /* Another controller's package, or noise. */
-    } else if (IS_DATA(byte)) {
+    if (IS_DATA(reception.byte)) {
         if (reception.state == RECEPTION_DATA) {
-            take_data(byte);
+            take_data();
         } else if (reception.state == RECEPTION_CHECK) {
-            return take_check(byte);
-        } else {
+            return take_check();
+        } else if (reception.state == RECEPTION_SYNCHRONIZATION) {
             abandon_package();
+        } else {
+            /* Another controller's package, or noise. */
         }
+    } else if (IS_HEADER(reception.byte)) {
+        take_header();
     } else if (reception.state == RECEPTION_SYNCHRONIZATION) {
-        take_synchronization(byte);
-    } else {
+        take_synchronization();
+    } else if (reception.state != RECEPTION_HUNTING) {
         abandon_package();
+    } else {
+        /* Another controller's package, or noise. */
     }
     return false;
 }
@@ -210,13 +199,13 @@ bool reception_next_package(void)
     }
     while (reception_ring.taken != reception_ring.put) {
         uint8_t place = (uint8_t)(reception_ring.taken & RING_MASK);
-        uint8_t byte = reception_ring.bytes[place];
         uint8_t sort = reception_ring.sorts[place];
 
+        reception.byte = reception_ring.bytes[place];
         reception_ring.taken++;
         if (sort != SORT_BYTE) {
             line_error(sort);
-        } else if (take_byte(byte)) {
+        } else if (take_byte()) {
             return true;
         } else {
             /* The package goes on, or there is none. */

@@ -44,6 +44,7 @@ struct reception {
     uint8_t group_index; /* bytes of the group, or of the check, that have come */
     uint8_t content_index;
     uint8_t content_used; /* bytes of the content up to its last that is not zero */
+    uint8_t byte;         /* the one under consideration */
     bool check_differs;
     volatile uint8_t silence_ms; /* ticks since a byte was taken out, at most 255 */
     uint8_t errors;              /* modulo 256, each event once */

@@ -93,19 +93,14 @@ static void put_check(void)
     uint8_t received_low = crc.low;
     uint8_t received_high = crc.high;
     uint8_t place;
-    uint8_t middle;
 
     crc_begin();
     for (place = 0; place < CHECK_PLACE; place++) {
         crc_add(transmission.bytes[place]);
     }
-    middle = (uint8_t)((uint8_t)(crc.high << 1) & 0x7Fu);
-    if ((crc.low & 0x80u) != 0u) {
-        middle |= 0x01u;
-    }
-    transmission.bytes[CHECK_PLACE] = (uint8_t)(crc.low & 0x7Fu);
-    transmission.bytes[CHECK_PLACE + 1u] = middle;
-    transmission.bytes[CHECK_PLACE + 2u] = (uint8_t)(crc.high >> 6);
+    transmission.bytes[CHECK_PLACE] = crc_take_bits();
+    transmission.bytes[CHECK_PLACE + 1u] = crc_take_bits();
+    transmission.bytes[CHECK_PLACE + 2u] = crc_take_bits();
     crc.low = received_low;
     crc.high = received_high;
 }

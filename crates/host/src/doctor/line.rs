@@ -31,6 +31,8 @@ pub(super) struct ProbeLine {
     connector: Box<dyn Connect>,
     link: Box<dyn Link>,
     session: Session,
+    /// Packages came, but none that was intact.
+    is_garbled: bool,
     // Released when the line is closed.
     _lock: Option<LineLock>,
 }
@@ -50,7 +52,8 @@ impl ProbeLine {
         let mut link = connector.connect(RealClock::start())?;
         link.flush_input()?;
         let name = connector.name();
-        Ok(ProbeLine { name, baud, connector, link, session: new_session(baud), _lock: lock })
+        let session = new_session(baud);
+        Ok(ProbeLine { name, baud, connector, link, session, is_garbled: false, _lock: lock })
     }
 
     pub(super) fn name(&self) -> &str {
@@ -69,6 +72,11 @@ impl ProbeLine {
         self.baud = baud;
         self.session = new_session(baud);
         Ok(())
+    }
+
+    /// Whether damaged packages came, at whichever speed.
+    pub(super) fn is_garbled(&self) -> bool {
+        self.is_garbled
     }
 
     pub(super) fn now_ms(&self) -> u64 {
@@ -104,7 +112,9 @@ impl ProbeLine {
     }
 
     fn settle(&mut self) -> Result<Asked, Error> {
-        Ok(match drive(&mut self.session, self.link.as_mut())? {
+        let event = drive(&mut self.session, self.link.as_mut())?;
+        self.is_garbled |= self.session.counts().errors > 0;
+        Ok(match event {
             Some(SessionEvent::Answered { package, tries, round_trip_ms, .. }) => {
                 Asked { answer: Some((package.status, package.report)), tries, round_trip_ms }
             }

@@ -18,7 +18,7 @@ pub(super) fn check(case: &mut Case<'_>) {
     {
         match scan(case, &link, &mut line) {
             Ok(Some(report)) => answered.push((line, report)),
-            Ok(None) => silent.push(line.name().to_owned()),
+            Ok(None) => silent.push(line),
             Err(error) => case.tell(
                 Finding::problem(NAME, "link-lost", error.to_string())
                     .remedy("look at the plug and the cable"),
@@ -83,8 +83,15 @@ fn scan(
     Ok(None)
 }
 
-fn nobody(address: &LinkAddress, silent: &[String]) -> Finding {
-    let links = silent.join(", ");
+fn nobody(address: &LinkAddress, silent: &[ProbeLine]) -> Finding {
+    if let Some(line) = silent.iter().find(|line| line.is_garbled()) {
+        let found = format!("something answers on {}, but no package comes intact", line.name());
+        return Finding::problem(NAME, "garbled", found)
+            .remedy("look at ground between PC and robot, and at the diodes where the two controllers meet on one line")
+            .remedy("or another device is behind this port: rsapien ports lists all of them");
+    }
+    let names: Vec<&str> = silent.iter().map(ProbeLine::name).collect();
+    let links = names.join(", ");
     let at = if has_speed(address) { " at 19200, 38400, 57600 or 115200 baud" } else { "" };
     Finding::problem(NAME, "silent", format!("nobody answers on {links}{at}"))
         .remedy("look at the status LED of the motion controller: dark means no supply, no clock or no firmware")

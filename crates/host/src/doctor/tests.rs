@@ -262,6 +262,16 @@ fn silent_firmware_ends_the_examination_with_what_to_look_at() {
 }
 
 #[test]
+fn answers_that_are_never_intact_are_told_from_silence() {
+    let patient = Patient::new();
+    let faults = LineFaults { lost_ppm: 300_000, ..LineFaults::NONE };
+    patient.robot.lock().unwrap().set_line_faults(Direction::ToPc, faults);
+    let diagnosis = patient.examine();
+    assert_eq!(problems(&diagnosis), ["garbled"]);
+    assert!(diagnosis.verdict().next.contains("diodes"));
+}
+
+#[test]
 fn a_robot_without_a_camera_controller_is_healthy_with_advice() {
     let patient = Patient { has_camera: false, ..Patient::new() };
     let diagnosis = patient.examine();

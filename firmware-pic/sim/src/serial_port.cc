@@ -12,7 +12,50 @@
 namespace bridge {
 namespace {
 
-constexpr unsigned rcreg_address = 0xFAE;
+constexpr unsigned txreg_address = 0xFAD, rcreg_address = 0xFAE;
+
+/// TXREG. In gpsim a byte written in the very cycle in which the byte before leaves the shift register is never
+/// sent, and TXIF stays clear for good: TXIF is cleared a cycle after the write, so the register seems empty.
+class TransmitRegister : public _TXREG {
+public:
+    TransmitRegister(_16bit_processor &processor, USART_MODULE &port)
+        : _TXREG(&processor, "txreg-race", nullptr, &port), port_(port) {
+        address = txreg_address;
+        assign_txsta(&port.txsta);
+        assign_rcsta(&port.rcsta);
+    }
+
+    void put(unsigned byte) override {
+        value.put(byte & 0xFF);
+        is_written_ = true;
+        get_cycles().set_break_delta(1, this);
+        begin_if_idle();
+    }
+
+    void put_value(unsigned byte) override { put(byte); }
+
+    /// One cycle after a write TXIF falls, one after a byte went on to the shift register it rises.
+    void callback() override {
+        if (is_written_) {
+            is_written_ = false;
+            port_.full();
+            begin_if_idle();
+        } else {
+            port_.emptyTX();
+        }
+    }
+
+private:
+    void begin_if_idle() {
+        if (port_.txsta.bTRMT() && port_.txsta.bTXEN()) {
+            get_cycles().set_break_delta(is_written_ ? 2 : 1, this);
+            port_.txsta.start_transmitting();
+        }
+    }
+
+    USART_MODULE &port_;
+    bool is_written_ = false;
+};
 
 /// RCREG with its FIFO of two bytes, each with its own FERR. gpsim's reads the older of two bytes twice and loses
 /// the other, has one FERR for both, and does not shift a byte without stop bit into place.
@@ -84,13 +127,18 @@ USART_MODULE &port_of(pic_processor &processor) {
 }  // namespace
 
 SerialPort::SerialPort(pic_processor &processor)
-    : processor_(processor), port_(port_of(processor)), replaced_(port_.rcreg) {
-    fifo_ = std::make_unique<ReceiveFifo>(dynamic_cast<_16bit_processor &>(processor), port_);
-    processor.registers[rcreg_address] = port_.rcreg = port_.rcsta.rcreg = fifo_.get();
+    : processor_(processor), port_(port_of(processor)), gpsims_transmit_(port_.txreg), gpsims_receive_(port_.rcreg) {
+    auto &wide = dynamic_cast<_16bit_processor &>(processor);
+    transmit_ = std::make_unique<TransmitRegister>(wide, port_);
+    receive_ = std::make_unique<ReceiveFifo>(wide, port_);
+    install(transmit_.get(), receive_.get());
 }
 
-SerialPort::~SerialPort() {
-    processor_.registers[rcreg_address] = port_.rcreg = port_.rcsta.rcreg = replaced_;
+SerialPort::~SerialPort() { install(gpsims_transmit_, gpsims_receive_); }
+
+void SerialPort::install(_TXREG *transmit, _RCREG *receive) {
+    processor_.registers[txreg_address] = port_.txreg = port_.txsta.txreg = port_.rcsta.txreg = transmit;
+    processor_.registers[rcreg_address] = port_.rcreg = port_.rcsta.rcreg = receive;
 }
 
 void SerialPort::stop() {

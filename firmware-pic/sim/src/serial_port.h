@@ -7,10 +7,11 @@
 class pic_processor;
 class USART_MODULE;
 class _RCREG;
+class _TXREG;
 
 namespace bridge {
 
-/// Gives RCREG its FIFO of two bytes with their own FERR, too.
+/// Puts its own TXREG and RCREG in the places of gpsim's as long as it lives.
 class SerialPort {
 public:
     /// Throws `Failure` for a processor without a serial port.
@@ -27,10 +28,14 @@ public:
     void refuse_while_overrun();
 
 private:
+    void install(_TXREG *transmit, _RCREG *receive);
+
     pic_processor &processor_;
     USART_MODULE &port_;
-    _RCREG *replaced_;
-    std::unique_ptr<_RCREG> fifo_;
+    _TXREG *gpsims_transmit_;
+    _RCREG *gpsims_receive_;
+    std::unique_ptr<_TXREG> transmit_;
+    std::unique_ptr<_RCREG> receive_;
 };
 
 }  // namespace bridge

@@ -105,3 +105,25 @@ class Line(unittest.TestCase):
         self.assertEqual(self.receive_unread("send-framing C1", "send 42"), ([(bad, 0xC1), (good, 0x42)], False, True))
         self.assertEqual(self.receive_unread("send 41", "send-framing 82"), ([(good, 0x41), (bad, 0x82)], False, True))
         self.assertEqual(self.receive_unread("send 414243"), ([(good, 0x41), (good, 0x42)], True, False))
+
+    def test_a_byte_written_when_the_one_before_ends(self):
+        # The echo of the second byte is written in each cycle around the end of the first one's stop bit.
+        with LockStep("echo") as chip:
+            chip.ok("advance 1000")
+            for later in range(CHIP_BIT + 30):
+                now = int(chip.value("cycles"))
+                chip.ok(f"send 41 {now + 100}")
+                chip.ok(f"send 42 {now + 100 + cycle_at(10 * BIT) + later}")
+                self.assertEqual(bytes_of(chip.ok("advance 7000")), b"AB", later)
+
+    def test_other_clocks_and_rates(self):
+        data = bytes(byte for byte in range(256) if byte not in (0xB0, 0xE0))
+        for clock_mhz, baud, divisor in ((4, 19200, 12), (10, 38400, 15), (20, 57600, 21), (40, 115200, 21),
+                                         (40, 19200, 129)):
+            with LockStep("echo", "--clock-mhz", str(clock_mhz), "--baud", str(baud)) as chip:
+                chip.ok("advance 1000")
+                chip.ok(f"register 0xFAF {divisor}")  # SPBRG
+                chip.ok("advance 3000")
+                chip.ok("send " + data.hex())
+                events = chip.ok(f"advance {260 * 10 * clock_mhz * 250_000 // baud}")
+                self.assertEqual(bytes_of(events), data, (clock_mhz, baud))

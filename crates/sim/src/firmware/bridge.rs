@@ -219,12 +219,19 @@ impl Bridge {
 }
 
 impl Process {
-    /// Ends the process, if it has not ended, and tells its last words.
+    /// Ends the process, if it has not ended, and tells its last words, or else how it ended.
     fn end(&mut self) -> Option<String> {
+        let limit = Instant::now() + LAST_WORDS_PATIENCE;
+        let mut status = None;
+        while status.is_none() && Instant::now() < limit {
+            status = self.child.try_wait().ok().flatten();
+            thread::sleep(Duration::from_millis(5));
+        }
         // One that has ended already cannot be killed, and need not.
         let _ = self.child.kill();
         let _ = self.child.wait();
-        self.last_words.recv_timeout(LAST_WORDS_PATIENCE).ok().filter(|words| !words.is_empty())
+        let words = self.last_words.recv_timeout(LAST_WORDS_PATIENCE).ok();
+        words.filter(|words| !words.is_empty()).or_else(|| status.map(|status| status.to_string()))
     }
 }
 

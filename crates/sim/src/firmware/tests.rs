@@ -333,7 +333,8 @@ fn images_are_found_by_their_names() {
 fn programs_that_are_no_simulator_are_told_of() {
     for (script, told) in [
         ("echo 'rsapien-gpsim: cannot load the hex' >&2; echo >&2; exit 3", "cannot load the hex"),
-        ("exit 3", "has ended"),
+        ("exit 3", "has ended: exit status: 3"),
+        ("kill -9 $$", "has ended: signal: 9"),
         ("read command; echo ok rb0 rb1", "rb2 among them"),
         ("read command; echo error busy", "error busy"),
         ("read command; echo what", "answered \"pins\" with \"what\""),

@@ -122,6 +122,12 @@ impl Runner {
             while let Ok(command) = self.commands.try_recv() {
                 self.take(command);
             }
+            // A STOP that came before still goes out. Then nothing may wait: whoever closes the line
+            // waits for this thread, and nobody would wake it.
+            if self.is_closing {
+                let _ = self.pump();
+                break;
+            }
             let turned = if self.retry_ms.is_some() { self.turn_lost() } else { self.turn() };
             if let Err(error) = turned {
                 self.lose(&error);

@@ -144,3 +144,35 @@ fn a_firmware_that_cannot_run_is_refused_with_what_to_do() {
     user.expect(2, &["demo", "--firmware", "hex", "--link", "tcp://127.0.0.1:1"])
         .told(&["--firmware", "rsapien sim --firmware"]);
 }
+
+/// In place of the simulator of a chip: a chip without a firmware, which does nothing and ends after a while.
+const DEAD_CHIP: &str = "#!/bin/sh
+number=0
+while read -r command rest; do
+    case $command in
+    pins) echo ok ra0 ra1 ra2 rb0 rb1 rb2 rb3 rb4 rb5 rc0 rc1 rc2 rc3 rc4 rc5 rd0 rd1 rd2 rd3 rd4 rd5 rd6 re0 ;;
+    get | cycles) echo ok 0 ;;
+    advance) number=$((number + 1)); [ $number -lt 50 ] || break; echo ok ${number}0000 ;;
+    *) echo ok ;;
+    esac
+done
+echo 'the chip went up in smoke' >&2
+";
+
+#[test]
+#[cfg(unix)]
+fn a_simulator_of_chips_that_ends_is_told_of() {
+    use std::os::unix::fs::PermissionsExt;
+    let user = User::new();
+    for image in ["motion-18f452", "camera-18f2320"] {
+        std::fs::write(user.path(&format!("rsapien-{image}-40mhz-57600.hex")), "").unwrap();
+    }
+    std::fs::write(user.path("chip"), DEAD_CHIP).unwrap();
+    std::fs::set_permissions(user.path("chip"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let smoke = ["motion controller's chip has ended: the chip went up in smoke"];
+    for options in [["demo", "--fast"], ["sim", "--tcp=0"]] {
+        let mut all = options.to_vec();
+        all.extend(["--firmware", ".", "--simulator", "./chip"]);
+        user.expect(2, &all).told(&smoke);
+    }
+}

@@ -54,6 +54,9 @@ const INPUTS: [&str; 9] = ["rb0", "rb1", "rb2", "rb3", "ra0", "ra1", "rb4", "rb5
 /// The servos' pulses: pan, tilt.
 const SERVOS: [&str; 2] = ["rc2", "rc1"];
 
+/// A robot with a firmware has been on for so long when it is made, in ms, so that its controllers answer as at once as
+/// their model does: they have written their boot number and switched their interrupts on by then.
+const START_MS: u64 = 20;
 /// After a byte either way the line counts as busy for this long, in ms: time for the firmware to begin its answer.
 const BUSY_MS: u64 = 2;
 /// Bytes of the two controllers overlap on the wire when they end within nine and a half bits of each other.
@@ -84,11 +87,23 @@ pub(crate) struct Firmware {
 }
 
 impl Firmware {
-    /// Starts both simulators; the chips have just been switched on.
+    /// Starts both simulators; the chips were switched on a moment ago.
     pub(crate) fn start(config: &FirmwareConfig) -> Result<Self, FirmwareError> {
         let motion = Chip::start(&config.simulator, &config.motion)?;
         let camera = Chip::start(&config.simulator, &config.camera)?;
-        Self::with_chips([motion, camera])
+        let mut firmware = Self::with_chips([motion, camera])?;
+        for chip in firmware.chips.iter_mut().flatten() {
+            chip.set(&levels(Inputs::default()));
+        }
+        for _ in 0..START_MS {
+            for chip in firmware.chips.iter_mut().flatten() {
+                chip.begin_ms()?;
+            }
+            for chip in firmware.chips.iter_mut().flatten() {
+                chip.end_ms()?;
+            }
+        }
+        Ok(firmware)
     }
 
     fn with_chips(chips: [Chip; 2]) -> Result<Self, FirmwareError> {

@@ -1,11 +1,14 @@
 //! The numbers of the C core are Rust's, and the wiring tables of the handbook are the pin map.
 
+use model::JointState::{Homing, Searching, SearchingBack, Travelling};
+use model::{Controller as _, Inputs, MiddleSwitches, MotionController, ResetCause};
 use rsapien_firmware_model as model;
+use rsapien_protocol::ReceptionState::{Check, Data, Hunting, Synchronization};
 use rsapien_protocol::{
-    Address, AimTarget, BumperMask, Joint, Kind, LineError, Mode, Parameter, Position,
-    ReceptionState, Status, StopCause, crc, frame,
+    ActionPackage, Address, AimTarget, BumperMask, Joint, Kind, LineError, Mode, Parameter, Pose,
+    Position, Request, Status, Step, StopCause, crc, frame,
 };
-use rsapien_tests::firmware::constants::{Numbers, Pin, of_the_c_core, offsets, pins};
+use rsapien_tests::firmware::constants::{Numbers, Pin, of_the_c_core, offsets, pins, wired_pins};
 use rsapien_tests::{read, workspace};
 use std::collections::BTreeSet;
 
@@ -36,7 +39,9 @@ fn upper(name: &str) -> String {
         match letter {
             '-' | ' ' => text.push('_'),
             letter if letter.is_uppercase() && text.ends_with(char::is_alphabetic) => {
-                if !text.ends_with(|last: char| last.is_uppercase()) || name.contains(char::is_lowercase) {
+                if !text.ends_with(|last: char| last.is_uppercase())
+                    || name.contains(char::is_lowercase)
+                {
                     text.push('_');
                 }
                 text.push(letter);
@@ -111,11 +116,9 @@ fn of_rust() -> Numbers {
         let name = upper(&format!("{position:?}"));
         put(&format!("POSITION_{name}"), i64::from(position.number()));
     }
-    use model::JointState::{Homing, Searching, SearchingBack, Travelling};
     for state in [Homing, Travelling, Searching, SearchingBack] {
         put(&format!("JOINT_STATE_{}", upper(&format!("{state:?}"))), state as i64);
     }
-    use ReceptionState::{Check, Data, Hunting, Synchronization};
     for state in [Hunting, Synchronization, Data, Check] {
         put(&format!("RECEPTION_{}", upper(&format!("{state:?}"))), state as i64);
     }
@@ -139,8 +142,6 @@ fn of_rust() -> Numbers {
 
 /// How far from the reckoned middle a switch's change is believed: found out from the model.
 fn believed_ms(full_travel_ms: u16) -> u16 {
-    use model::{Controller as _, Inputs, MiddleSwitches, MotionController, ResetCause};
-    use rsapien_protocol::{ActionPackage, Pose, Request, Step};
     let travel_ms = full_travel_ms >> 2;
     let mut motion = MotionController::new(ResetCause::PowerOn, 0);
     let mut inputs = Inputs::default();
@@ -215,4 +216,22 @@ fn the_c_core_knows_the_addresses() {
         text.lines().filter_map(|line| line.strip_prefix("#define CONTROLLER_ADDRESS ")).collect();
     // Under RSAPIEN_MOTION, and else.
     assert_eq!(addresses, [Address::Motion, Address::Camera].map(|of| format!("{}u", of as u8)));
+}
+
+#[test]
+fn the_wiring_tables_are_the_pin_map() {
+    for (list, heading) in [("MOTION_PINS", "\n### Motion:"), ("CAMERA_PINS", "\n### Camera:")] {
+        let by_name = |mut pins: Vec<Pin>| {
+            pins.sort_by(|one, other| one.name.cmp(&other.name));
+            pins
+        };
+        let (wired, unused) = wired_pins(heading);
+        let (wired, pins) = (by_name(wired), by_name(pins(list)));
+        assert!(pins.len() >= 8, "{list} is not where it was");
+        assert_eq!(wired, pins, "docs/firmware.md and pins.h, {list}");
+        let named: BTreeSet<&str> = pins.iter().map(|pin| pin.name.as_str()).collect();
+        for pin in unused {
+            assert!(!named.contains(pin.name.as_str()) && !pin.is_input, "{pin:?} in {list}");
+        }
+    }
 }

@@ -1,16 +1,18 @@
 //! The C core against the reference model, in lock step: after every byte, every interrupt and every
 //! tick both must transmit, drive, report and count the same.
 
-use rsapien_protocol::Address;
+use rsapien_protocol::{Address, CountersReport};
 use rsapien_tests::firmware::bench::{Bench, LockstepBench};
 use rsapien_tests::firmware::compare::{Failure, compare};
 use rsapien_tests::firmware::coverage::Coverage;
 use rsapien_tests::firmware::event::Event;
+use rsapien_tests::firmware::mutants::{self, Fate};
 use rsapien_tests::firmware::program::{self, Build, Program};
 use rsapien_tests::firmware::random::{Difference, compare_sessions};
 use rsapien_tests::firmware::scenario::Scenario;
 use rsapien_tests::firmware::vectors::{self, Brought};
 use rsapien_tests::workspace;
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 /// Where sessions that differed are kept, and replayed from before anything else.
@@ -48,7 +50,7 @@ fn play(folder: &str) -> Vec<Scenario> {
         // What differs tells more than what the model was expected to do.
         check(scenario.address, &scenario.name, &bench);
         if let Err(error) = played {
-            errors.push_str(&format!("{error}\n"));
+            let _ = writeln!(errors, "{error}");
         }
     }
     assert!(errors.is_empty(), "the model does not do what scenarios expect:\n{errors}");
@@ -133,7 +135,12 @@ fn vectors_of_synchronization_packages() {
             (0..8).for_each(|_| bench.tick());
             check(address, &package.name, &bench);
             assert_eq!(bench.world().answer_count, 0, "{}", package.name);
-            assert_eq!(bench.world().reference.counters(), Default::default(), "{}", package.name);
+            assert_eq!(
+                bench.world().reference.counters(),
+                CountersReport::default(),
+                "{}",
+                package.name
+            );
         }
     }
 }
@@ -164,7 +171,8 @@ fn compare_seeds(address: Address) -> Result<Coverage, String> {
         let path = program_path(address, build);
         match compare_sessions(&path, address, seed, EVENTS_A_SEED) {
             Ok(seen) => coverage.add(&seen),
-            Err(Difference::Sessions(failure)) => {
+            Err(Difference::Session(different)) => {
+                let failure = different.shrink(&path).map_err(|error| error.to_string())?;
                 let kept = failure.keep(address, &workspace().join(REGRESSIONS)).unwrap();
                 return Err(failure.report(kept.as_deref()));
             }
@@ -172,4 +180,14 @@ fn compare_seeds(address: Address) -> Result<Coverage, String> {
         }
     }
     Ok(coverage)
+}
+
+#[test]
+fn one_wrong_number_in_c_is_seen() {
+    // Every number can be tried by the example `firmware-differential -- --broken-constants`.
+    for name in ["BUMPER_DEBOUNCE_TESTS", "FULL_TRAVEL_MS_TILT", "HOME_SETTLE_MS"] {
+        let fate = mutants::try_out(name).unwrap_or_else(|error| panic!("{error}"));
+        println!("{name} + 1: {fate:?}");
+        assert!(matches!(fate, Fate::Differs(..)), "{name}: {fate:?}");
+    }
 }

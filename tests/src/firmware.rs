@@ -16,6 +16,7 @@ pub mod compare;
 pub mod constants;
 pub mod coverage;
 pub mod event;
+pub mod mutants;
 pub mod program;
 pub mod random;
 pub mod record;
@@ -27,3 +28,5 @@ pub mod vectors;
 pub mod gpsim;
 #[cfg(feature = "firmware-simulator")]
 pub mod hex;
+#[cfg(feature = "firmware-simulator")]
+pub mod servos;

@@ -6,9 +6,7 @@ use super::coverage::Coverage;
 use super::event::Event;
 use super::reference::Reference;
 use rsapien_firmware_model::{Inputs, MiddleSwitches};
-use rsapien_protocol::{
-    Address, BumperMask, Fed, LineError, Receiver, SynchronizationPackage,
-};
+use rsapien_protocol::{Address, BumperMask, Fed, LineError, Receiver, SynchronizationPackage};
 
 /// Something that happens, besides time.
 #[derive(Clone, Debug)]
@@ -202,7 +200,9 @@ impl Bench for LockstepBench {
     fn perform(&mut self, action: Action) -> Result<(), BenchError> {
         match action {
             Action::Line(bytes) => {
-                bytes.into_iter().for_each(|byte| self.happen(Event::Byte(byte)));
+                for byte in bytes {
+                    self.happen(Event::Byte(byte));
+                }
             }
             Action::LineError(error) => self.happen(Event::LineError(error)),
             // The pins are those of now: an event of a scenario does not bring its own.

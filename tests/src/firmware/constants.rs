@@ -94,10 +94,12 @@ pub fn offsets(module: &str) -> Numbers {
 }
 
 /// A pin of `firmware-pic/port/pic18/pins.h`.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pin {
     /// As the data sheets call it: `RD0`.
-    pub pin: String,
+    pub name: String,
+    /// Whether the chip listens to it.
+    pub is_input: bool,
     /// What it is for, in words.
     pub purpose: String,
 }
@@ -110,15 +112,34 @@ pub fn pins(list: &str) -> Vec<Pin> {
     let text = read(&workspace().join("firmware-pic/port/pic18/pins.h"));
     let begin = format!("#define {list}(PIN)");
     let behind = text.split_once(&begin).map_or("", |(_, behind)| behind);
-    behind
-        .lines()
-        .skip(1)
-        .map_while(|line| {
-            let arguments = line.trim().strip_prefix("PIN(")?.split_once(')')?.0;
-            let (first, purpose) = arguments.split_once('"')?;
-            let mut first = first.split(',').map(str::trim);
-            let pin = format!("R{}{}", first.next()?, first.next()?);
-            Some(Pin { pin, purpose: purpose.trim_end_matches('"').to_owned() })
+    let pin = |line: &str| {
+        let arguments = line.trim().strip_prefix("PIN(")?.split_once(')')?.0;
+        let (first, purpose) = arguments.split_once('"')?;
+        let mut first = first.split(',').map(str::trim);
+        Some(Pin {
+            name: format!("R{}{}", first.next()?, first.next()?),
+            is_input: first.next()? == "INPUT",
+            purpose: purpose.trim_end_matches('"').to_owned(),
         })
-        .collect()
+    };
+    behind.lines().skip(1).map_while(pin).collect()
+}
+
+/// The pins of the wiring table behind a heading of `docs/firmware.md`, and those of them that nobody uses.
+///
+/// # Panics
+/// When the file cannot be read.
+pub fn wired_pins(heading: &str) -> (Vec<Pin>, Vec<Pin>) {
+    let text = read(&workspace().join("docs/firmware.md"));
+    let behind = text.split_once(heading).map_or("", |(_, behind)| behind);
+    let table = behind.split("\n#").next().unwrap_or("");
+    let pin = |line: &str| {
+        let mut cells = line.split('|').skip(2).map(str::trim);
+        let (name, direction, purpose) = (cells.next()?, cells.next()?, cells.next()?);
+        let letters: Vec<char> = name.chars().collect();
+        let is_port = matches!(letters[..], ['R', 'A'..='E', '0'..='7']);
+        let (name, purpose) = (name.to_owned(), purpose.to_owned());
+        is_port.then_some(Pin { name, is_input: direction == "in", purpose })
+    };
+    table.lines().filter_map(pin).partition(|pin| pin.purpose != "not used, 0")
 }

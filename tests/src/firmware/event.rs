@@ -133,7 +133,9 @@ pub fn to_scenario(events: &[Event]) -> String {
         let is_byte = matches!(event, Event::Byte(_));
         let run = rest
             .iter()
-            .take_while(|other| if is_byte { matches!(other, Event::Byte(_)) } else { *other == event })
+            .take_while(
+                |other| if is_byte { matches!(other, Event::Byte(_)) } else { *other == event },
+            )
             .count();
         let run = if is_byte { run.min(BYTES_A_LINE) } else { run };
         let (these, others) = rest.split_at(run);

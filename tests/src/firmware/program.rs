@@ -62,14 +62,16 @@ pub enum Build {
     Sanitized,
 }
 
-/// Builds the C core for this machine, once in a process. Gives the folder of its programs.
+/// Builds both forms of the C core for this machine, once in a process. Gives the folder of its programs.
 ///
 /// # Errors
 /// When `make` or the C compiler is missing or refuses.
 pub fn build() -> Result<PathBuf, ProgramError> {
     static BUILT: OnceLock<Result<(), (String, String)>> = OnceLock::new();
     let root = workspace();
-    let outcome = BUILT.get_or_init(|| make(&root.join("firmware-pic/port/host")));
+    let outcome = BUILT.get_or_init(|| {
+        make(&root.join("firmware-pic/port/host"), &["all".to_owned(), "sanitized".to_owned()])
+    });
     match outcome {
         Ok(()) => Ok(root.join("target/firmware/host")),
         Err((command, why)) => {
@@ -78,10 +80,15 @@ pub fn build() -> Result<PathBuf, ProgramError> {
     }
 }
 
-fn make(folder: &Path) -> Result<(), (String, String)> {
-    let command = format!("make -C {}", folder.display());
-    let output = Command::new("make").arg("-C").arg(folder).output().map_err(|error| {
-        (command.clone(), format!("{error}; is make installed? (apt-get install make gcc libc6-dev)"))
+/// Runs `make` in a folder. Gives the command and what it complained of when it fails.
+pub(super) fn make(folder: &Path, arguments: &[String]) -> Result<(), (String, String)> {
+    let command = format!("make -C {} {}", folder.display(), arguments.join(" "));
+    let output = Command::new("make").arg("-C").arg(folder).args(arguments).output();
+    let output = output.map_err(|error| {
+        (
+            command.clone(),
+            format!("{error}; is make installed? (apt-get install make gcc libc6-dev)"),
+        )
     })?;
     if output.status.success() {
         return Ok(());
@@ -138,7 +145,9 @@ impl Program {
         let mut records = 0;
         for chunk in events.chunks(CHUNK) {
             let mut line = Vec::new();
-            chunk.iter().for_each(|event| event.encode(&mut line));
+            for event in chunk {
+                event.encode(&mut line);
+            }
             line.push(FLUSH);
             // Another thread reads all the while, so neither side can wait for the other for ever.
             // A program that has ended says so where its records are read.

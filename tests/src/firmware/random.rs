@@ -9,7 +9,7 @@ mod packages;
 
 use super::bench::{Action, Bench, LockstepBench, World};
 use super::body::{Body, SwitchBehaviour};
-use super::compare::{Failure, compare};
+use super::compare::{Divergence, Failure, compare};
 use super::coverage::Coverage;
 use super::event::Event;
 use super::program::{Program, ProgramError};
@@ -196,7 +196,8 @@ impl Generator {
             16 => self.planned.push(Move::Events(Event::Timer, random.random_range(110..150))),
             17..23 => self.planned.push(Move::Events(Event::InputChange(inputs), 1)),
             23..28 => {
-                self.planned.push(Move::Events(Event::MainRoutine(inputs), random.random_range(1..5)));
+                self.planned
+                    .push(Move::Events(Event::MainRoutine(inputs), random.random_range(1..5)));
             }
             28..34 => {
                 let count = random.random_range(0..=40);
@@ -256,7 +257,11 @@ pub fn session(seed: u64, address: Address, index: u64, event_count: usize) -> L
                     }
                 }
             }
-            Move::Burst(bytes) => bytes.into_iter().for_each(|byte| bench.happen(Event::Byte(byte))),
+            Move::Burst(bytes) => {
+                for byte in bytes {
+                    bench.happen(Event::Byte(byte));
+                }
+            }
             Move::Events(event, count) => {
                 let event = event.with_inputs(bench.world().inputs);
                 (0..count).for_each(|_| bench.happen(event));
@@ -269,7 +274,7 @@ pub fn session(seed: u64, address: Address, index: u64, event_count: usize) -> L
 /// Compares random sessions of `event_count` events in all, model against the program at `path`.
 ///
 /// # Errors
-/// The first session that differs, shrunk; or why nothing can be compared.
+/// The first session that differs; or why nothing can be compared.
 pub fn compare_sessions(
     path: &Path,
     address: Address,
@@ -281,10 +286,13 @@ pub fn compare_sessions(
     let mut index = 0;
     while coverage.event_count() < event_count {
         let bench = session(seed, address, index, EVENTS_A_SESSION);
-        if let Some(found) = compare(&mut program, address, &bench.events, &bench.records) {
-            let origin = format!("seed {seed}, {} session {index}", address.name());
-            let failure = Failure::shrink(path, address, origin, &bench.events, found)?;
-            return Err(Difference::Sessions(Box::new(failure)));
+        if let Some(divergence) = compare(&mut program, address, &bench.events, &bench.records) {
+            return Err(Difference::Session(Box::new(Different {
+                origin: format!("seed {seed}, {} session {index}", address.name()),
+                address,
+                events: bench.events,
+                divergence,
+            })));
         }
         coverage.add(bench.coverage());
         coverage.sessions += 1;
@@ -296,12 +304,35 @@ pub fn compare_sessions(
 /// Events of a session.
 pub const EVENTS_A_SESSION: usize = 10_000;
 
+/// A session that differs.
+#[derive(Clone, Debug)]
+pub struct Different {
+    /// Where it came from.
+    pub origin: String,
+    /// Whose it is.
+    pub address: Address,
+    /// Its events.
+    pub events: Vec<Event>,
+    /// Where it differs.
+    pub divergence: Divergence,
+}
+
+impl Different {
+    /// Makes the session as short as it gets, in programs at `path`.
+    ///
+    /// # Errors
+    /// When the program does not start any more.
+    pub fn shrink(self, path: &Path) -> Result<Failure, ProgramError> {
+        Failure::shrink(path, self.address, self.origin, &self.events, self.divergence)
+    }
+}
+
 /// Why a comparison of random sessions ended before its time.
 #[derive(Debug, thiserror::Error)]
 pub enum Difference {
     /// A session differs.
-    #[error("{}", .0.report(None))]
-    Sessions(Box<Failure>),
+    #[error("{}: event {} differs", .0.origin, .0.divergence.event_number)]
+    Session(Box<Different>),
     /// There is nothing to compare with.
     #[error(transparent)]
     Program(#[from] ProgramError),

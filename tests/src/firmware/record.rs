@@ -1,8 +1,8 @@
 //! The record that answers every event: cut out of a stream, and told by the names of its fields.
 
 use rsapien_protocol::{
-    Address, CountersReport, Direction, Fed, HeaderByte, Kind, Receiver, Report, Status, SynchronizationPackage,
-    frame,
+    Address, CountersReport, Direction, Fed, HeaderByte, Kind, Receiver, Report, Status,
+    SynchronizationPackage, frame,
 };
 use std::fmt::Write as _;
 

@@ -148,9 +148,7 @@ impl Reference {
                 }
                 outputs
             }
-            Reference::Camera(camera) => {
-                [u8::from(camera.outputs().pan_centideg.is_some()), 0]
-            }
+            Reference::Camera(camera) => [u8::from(camera.outputs().pan_centideg.is_some()), 0],
         }
     }
 

@@ -40,7 +40,8 @@ use crate::{files, read, workspace};
 use expect::Expectation;
 use rsapien_firmware_model::Inputs;
 use rsapien_protocol::{
-    ActionPackage, Address, Direction, HeaderByte, LineError, Mode, Request, frame,
+    ACTION_PACKAGE_LENGTH, ActionPackage, Address, ByteClass, Direction, HeaderByte, LineError,
+    Mode, Request, frame,
 };
 
 /// One scenario.
@@ -216,17 +217,22 @@ impl Player<'_> {
         Err(BenchError(format!("still {} after {within} ms, not {}", found.name(), mode.name())))
     }
 
-    /// What the line brings before time passes again, for a bench on which bytes take time.
+    /// What the line brings before time passes again, for a bench on which bytes take time. Of bytes that
+    /// have not the form of one package only the rest of one, since others may be counted before their end.
     fn line_after(&mut self, behind: &[Statement]) -> Option<Vec<u8>> {
-        for statement in behind {
-            match &statement.what {
-                What::Send(template) => return Some(self.line_bytes(template)),
-                What::Bytes(bytes) => return Some(bytes.clone()),
-                What::Bumper(..) | What::Expect(_) | What::Session(_) => {}
-                _ => return None,
+        let session = self.session;
+        let found = behind.iter().find_map(|statement| match &statement.what {
+            What::Session(session) => {
+                self.session = *session;
+                None
             }
-        }
-        None
+            What::Bumper(..) | What::Expect(_) => None,
+            What::Send(template) => Some(Some(self.line_bytes(template))),
+            What::Bytes(bytes) if is_rest(bytes) || is_package(bytes) => Some(Some(bytes.clone())),
+            _ => Some(None),
+        });
+        self.session = session;
+        found.flatten()
     }
 
     fn line_bytes(&mut self, template: &Template) -> Vec<u8> {
@@ -251,6 +257,16 @@ impl Player<'_> {
         };
         ActionPackage { session, sequence, request }.encode(address).to_vec()
     }
+}
+
+/// Whether bytes are the rest of a package that has begun: no header is among them.
+pub fn is_rest(bytes: &[u8]) -> bool {
+    bytes.iter().all(|byte| ByteClass::of(*byte) != ByteClass::Header)
+}
+
+/// Whether bytes have the form of one package, intact or not: nothing comes of them before their end.
+fn is_package(bytes: &[u8]) -> bool {
+    bytes.len() == ACTION_PACKAGE_LENGTH && !is_rest(bytes) && is_rest(&bytes[1..])
 }
 
 /// The line bytes of an action package of `tests/vectors`.

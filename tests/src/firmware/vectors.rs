@@ -88,8 +88,7 @@ pub fn streams() -> Vec<Stream> {
         (event["at_ms"].as_u64().expect("a time"), brought)
     };
     let stream = |vector: &Value| {
-        let names =
-            ["accepted", "resets", "crc_errors", "framing_errors", "overruns", "errors"];
+        let names = ["accepted", "resets", "crc_errors", "framing_errors", "overruns", "errors"];
         let count = |name| {
             let count = vector["counts"][name].as_u64().expect("a count");
             u16::try_from(count).expect("a count of 16 bits")

@@ -3,8 +3,8 @@
 use crate::firmware::reference::Reference;
 use rand::{Rng, RngExt};
 use rsapien_protocol::{
-    ActionPackage, Address, AimTarget, BumperMask, Direction, HeaderByte, Joint, Mode,
-    Parameter, Pose, Request, Step, frame,
+    ActionPackage, Address, AimTarget, BumperMask, Direction, HeaderByte, Joint, Mode, Parameter,
+    Pose, Request, Step, frame,
 };
 
 /// What the PC of a session knows.
@@ -68,7 +68,8 @@ impl Packages {
         let sequence = reference.last_sequence().wrapping_add(1);
         let mut package = ActionPackage { session: self.session, sequence, request };
         let mut address = self.address;
-        match random.random_range(0..8) {
+        match random.random_range(0..9) {
+            8 => package.request = at_a_bound(random, address),
             0 => package.session = random.random(),
             1 => package.sequence = random.random(),
             2 => package.sequence = reference.last_sequence(),
@@ -86,7 +87,8 @@ impl Packages {
                 for _ in 0..random.random_range(1..3) {
                     // The two bytes of numbers stay: they are looked at last.
                     let index = random.random_range(2..content.len());
-                    content[index] = random.random();
+                    content[index] =
+                        if random.random() { random.random_range(0..10) } else { random.random() };
                 }
                 let header = HeaderByte { direction: Direction::ToRobot, address };
                 self.last = frame::encode::<12, 18>(header, &content).to_vec();
@@ -128,7 +130,6 @@ impl Packages {
         match (mode, random.random_range(0..1000)) {
             (_, 0..20) => Request::Counters,
             (_, 20..25) => Request::Stop,
-            (_, 25..30) => Request::Init,
             (_, 30..40) => {
                 Request::Hello { lowest_version: 1, highest_version: 1, session: self.session }
             }
@@ -137,7 +138,7 @@ impl Packages {
                 self.travel_time(random, index)
             }
             (_, 60..65) => dead_man(random),
-            (Mode::Fresh | Mode::Stopped | Mode::Held, 65..800) => Request::Init,
+            (_, 25..30) | (Mode::Fresh | Mode::Stopped | Mode::Held, 65..800) => Request::Init,
             (_, 65..150) => Request::State,
             (Mode::Idle | Mode::Executing, 150..160) => {
                 self.volley = random.random_range(5..50);
@@ -152,8 +153,11 @@ impl Packages {
         let true_ms = u32::from(self.travel_ms[index]);
         let told_ms = true_ms * random.random_range(70..140) / 100;
         let full_travel_ms = u16::try_from(told_ms.max(100)).unwrap_or(u16::MAX);
-        let full_travel_ms =
-            if random.random_ratio(1, 500) { random.random_range(100..=10_000) } else { full_travel_ms };
+        let full_travel_ms = if random.random_ratio(1, 500) {
+            random.random_range(100..=10_000)
+        } else {
+            full_travel_ms
+        };
         Request::Configure(Parameter::TravelTime { joint: Joint::ALL[index], full_travel_ms })
     }
 
@@ -188,11 +192,9 @@ fn camera_request(random: &mut impl Rng, reference: &Reference) -> Request {
     }
     match (mode, random.random_range(0..1000)) {
         (_, 0..30) => Request::Counters,
-        (_, 30..40) => Request::Hello {
-            lowest_version: 1,
-            highest_version: 9,
-            session: reference.session(),
-        },
+        (_, 30..40) => {
+            Request::Hello { lowest_version: 1, highest_version: 9, session: reference.session() }
+        }
         (_, 40..50) => dead_man(random),
         (_, 50..60) => Request::Stop,
         (Mode::Fresh | Mode::Stopped | Mode::Held, 60..600) | (_, 60..70) => Request::Home,
@@ -228,6 +230,33 @@ fn dead_man(random: &mut impl Rng) -> Request {
         _ => random.random_range(400..=10_000),
     };
     Request::Configure(Parameter::DeadMan { timeout_ms })
+}
+
+/// A request with an argument at the end of its range, inside or outside.
+fn at_a_bound(random: &mut impl Rng, address: Address) -> Request {
+    let (dead_man, travel) = (Parameter::DEAD_MAN_MS, Parameter::TRAVEL_MS);
+    let around = |random: &mut dyn FnMut(u16) -> u16, bound: u16| bound - 1 + random(3);
+    let mut below = |count: u16| random.random_range(0..count);
+    if below(2) == 0 {
+        let bound = if below(2) == 0 { *dead_man.start() } else { *dead_man.end() };
+        let timeout_ms = around(&mut below, bound);
+        return Request::Configure(Parameter::DeadMan { timeout_ms });
+    }
+    if address == Address::Motion {
+        let joint = Joint::ALL[usize::from(below(7))];
+        let bound = if below(2) == 0 { *travel.start() } else { *travel.end() };
+        let full_travel_ms = around(&mut below, bound);
+        return Request::Configure(Parameter::TravelTime { joint, full_travel_ms });
+    }
+    let mut angle = |limit: i16| {
+        let angle = limit.unsigned_abs() - 1 + below(3);
+        if below(2) == 0 { angle.cast_signed() } else { -angle.cast_signed() }
+    };
+    Request::Aim(AimTarget {
+        pan_centideg: angle(AimTarget::PAN_CENTIDEG_MAX),
+        tilt_centideg: angle(AimTarget::TILT_CENTIDEG_MAX),
+        speed_deg_per_s: 0,
+    })
 }
 
 /// A request that the other controller serves.
@@ -285,4 +314,3 @@ fn any_header(random: &mut impl Rng) -> u8 {
         _ => 0xC0 | random.random_range(0..64u8),
     }
 }
-

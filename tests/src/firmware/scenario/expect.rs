@@ -87,47 +87,48 @@ impl Expectation {
         let motion = reference.motion();
         let not = "the camera has none";
         let (met, found) = match self {
-            Expectation::Mode(mode) => told(*mode, reference.mode()),
-            Expectation::Cause(cause) => told(*cause, reference.cause()),
+            Expectation::Mode(mode) => told(mode, &reference.mode()),
+            Expectation::Cause(cause) => told(cause, &reference.cause()),
             Expectation::Status(status) => {
-                told(Some(*status), world.answer.map(|answer| answer.status))
+                told(&Some(*status), &world.answer.map(|answer| answer.status))
             }
-            Expectation::Answers(count) => told(*count, std::mem::take(&mut world.answer_count)),
+            Expectation::Answers(count) => told(count, &std::mem::take(&mut world.answer_count)),
             Expectation::AnswerBytes(bytes) => told(bytes, &world.answer_bytes),
             Expectation::Motor(joint, output) => {
                 let motors = motion.ok_or(BenchError(not.to_owned()))?.motors();
-                told(*output, motors[usize::from(joint.index())])
+                told(output, &motors[usize::from(joint.index())])
             }
             Expectation::JointState(joint, state) => {
-                told(Some(*state), motion.map(|motion| motion.joint_state(*joint)))
+                told(&Some(*state), &motion.map(|motion| motion.joint_state(*joint)))
             }
             Expectation::Position(joint, ms) => {
-                told(Some(*ms), motion.map(|motion| motion.joint_position_ms(*joint)))
+                told(&Some(*ms), &motion.map(|motion| motion.joint_position_ms(*joint)))
             }
             Expectation::Reached(joint, place) => {
-                told(Some(*place), motion.map(|motion| motion.report().position(*joint)))
+                told(&Some(*place), &motion.map(|motion| motion.report().position(*joint)))
             }
             Expectation::Pressed(bumper, pressed) => {
                 let found = motion.map(|motion| motion.report().bumpers.contains(*bumper));
-                told(Some(*pressed), found)
+                told(&Some(*pressed), &found)
             }
             Expectation::Presses(bumper, count) => {
-                told(Some(*count), motion.map(|motion| motion.report().presses[*bumper]))
+                told(&Some(*count), &motion.map(|motion| motion.report().presses[*bumper]))
             }
             Expectation::SupplyLow(low) => {
-                told(Some(*low), motion.map(|motion| motion.report().supply_low))
+                told(&Some(*low), &motion.map(|motion| motion.report().supply_low))
             }
             Expectation::Driven(driven) => {
                 let camera = reference.camera();
-                told(Some(*driven), camera.map(|camera| camera.outputs().pan_centideg.is_some()))
+                let found = camera.map(|camera| camera.outputs().pan_centideg.is_some());
+                told(&Some(*driven), &found)
             }
-            Expectation::Number(name, value) => told(Some(*value), value_of(world, name)),
+            Expectation::Number(name, value) => told(&Some(*value), &value_of(world, name)),
         };
         if met { Ok(()) } else { Err(BenchError(format!("{self:?} expected, not {found}"))) }
     }
 }
 
-fn told<T: PartialEq + std::fmt::Debug>(expected: T, found: T) -> (bool, String) {
+fn told<T: PartialEq + std::fmt::Debug>(expected: &T, found: &T) -> (bool, String) {
     (expected == found, format!("{found:?}"))
 }
 

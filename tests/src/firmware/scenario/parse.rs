@@ -6,7 +6,8 @@ use crate::firmware::body::{Body, SwitchBehaviour};
 use crate::firmware::event::{Event, line_error_name};
 use rsapien_firmware_model::{Inputs, ResetCause};
 use rsapien_protocol::{
-    Address, AimTarget, BumperMask, Joint, LineError, Mode, Parameter, Pose, Position, Request, Step,
+    Address, AimTarget, BumperMask, Joint, LineError, Mode, Parameter, Pose, Position, Request,
+    Step,
 };
 use std::str::FromStr;
 
@@ -31,7 +32,8 @@ pub(super) fn scenario(name: &str, text: &str) -> Parsed<Scenario> {
                 blocks.push((self::number(count).map_err(at)?, number, Vec::new()));
             }
             ["end"] => {
-                let (count, line, inner) = blocks.pop().ok_or_else(|| at("end of nothing".into()))?;
+                let (count, line, inner) =
+                    blocks.pop().ok_or_else(|| at("end of nothing".into()))?;
                 let (.., outer) = blocks.last_mut().ok_or_else(|| at("end of nothing".into()))?;
                 outer.push(Statement { line, what: What::Repeat(count, inner) });
             }
@@ -234,6 +236,7 @@ pub(super) fn number<T: FromStr + TryFrom<i64>>(word: &str) -> Parsed<T> {
 }
 
 fn hex(words: &[&str]) -> Parsed<Vec<u8>> {
-    let byte = |word: &&str| u8::from_str_radix(word, 16).map_err(|_| format!("{word}: not a byte"));
+    let byte =
+        |word: &&str| u8::from_str_radix(word, 16).map_err(|_| format!("{word}: not a byte"));
     words.iter().map(byte).collect()
 }

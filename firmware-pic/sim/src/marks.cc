@@ -6,6 +6,7 @@
 
 #include <gpsim/breakpoints.h>
 #include <gpsim/pic-processor.h>
+#include <gpsim/trace.h>
 
 #include "failure.h"
 
@@ -28,7 +29,10 @@ private:
     Events &events_;
 };
 
-Marks::Marks(Chip &chip, Events &events) : chip_(chip), events_(events) {}
+Marks::Marks(Chip &chip, Events &events) : chip_(chip), events_(events) {
+    // With the first mark gpsim opens its log, by default a file gpsim.log in the present folder.
+    GetTraceLog().enable_logging("/dev/null");
+}
 Marks::~Marks() = default;
 
 void Marks::add(std::uint64_t address, const std::string &name) {

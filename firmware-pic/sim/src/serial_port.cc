@@ -106,8 +106,9 @@ private:
     /// FERR is that of the byte which is read next, and stays when there is none.
     void show_front() {
         if (count_ > 0) {
+            constexpr unsigned framing_error = _RCSTA::FERR;
             const unsigned status = port_.rcsta.value.get();
-            port_.rcsta.value.put(entries_[0].is_framed ? status & ~_RCSTA::FERR : status | _RCSTA::FERR);
+            port_.rcsta.value.put(entries_[0].is_framed ? status & ~framing_error : status | framing_error);
         }
     }
 

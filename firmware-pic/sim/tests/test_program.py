@@ -173,3 +173,12 @@ class Errors(unittest.TestCase):
             kinds = {line.split(" ")[0] for line in ended.stdout.splitlines()}
             self.assertEqual(kinds, {"edge", "reset", "ok"})
             self.assertEqual(bool(ended.stderr), bool(option))
+
+    def test_no_file_is_left_where_it_runs(self):
+        with tempfile.TemporaryDirectory() as folder:
+            ended = subprocess.run([PROGRAM, "--hex", image("watchdog"), "--lockstep"], cwd=folder, text=True,
+                                   input="mark 0x20 start\nadvance 400000\nunmark start\nadvance 10\nquit\n",
+                                   capture_output=True, timeout=60)
+            self.assertEqual(ended.returncode, 0)
+            self.assertIn("mark 360003 start", ended.stdout)
+            self.assertEqual(os.listdir(folder), [])

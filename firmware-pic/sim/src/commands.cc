@@ -200,9 +200,8 @@ std::string Commands::mark(const Words &words) {
 
 std::string Commands::memory(const Words &words, bool is_eeprom) {
     expect(words, 2, 3);
-    const auto symbol = symbols_.data.find(words[1]);
-    const bool is_symbol = !is_eeprom && symbol != symbols_.data.end();
-    const std::uint64_t address = is_symbol ? symbol->second : parse_number(words[1]);
+    const std::uint32_t *const symbol = is_eeprom ? nullptr : symbols_.find_data(words[1]);
+    const std::uint64_t address = symbol != nullptr ? *symbol : parse_number(words[1]);
     if (words.size() == 3) {
         const std::uint64_t value = parse_number(words[2]);
         is_eeprom ? chip_.write_eeprom(address, value) : chip_.write_register(address, value);

@@ -25,6 +25,12 @@ bool parse(const std::string &text, int base, std::uint64_t &value) {
 
 }  // namespace
 
+const std::uint32_t *Symbols::find_data(const std::string &name) const {
+    const auto &names = is_told_apart ? data : program;
+    const auto found = names.find(name);
+    return found == names.end() ? nullptr : &found->second;
+}
+
 std::uint64_t parse_number(const std::string &text) {
     std::uint64_t value = 0;
     const bool is_hexadecimal = text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
@@ -59,6 +65,7 @@ void Symbols::read(const std::string &path) {
             }
         } else if (fields.size() == 2 && parse(fields[1], 16, address) && address <= UINT32_MAX) {
             program[fields[0]] = static_cast<std::uint32_t>(address);
+            is_told_apart = false;
         } else if (!fields.empty()) {
             throw Failure("'" + path + "' line " + std::to_string(number) + " is not `NAME ADDRESS`");
         }

@@ -10,11 +10,15 @@ namespace bridge {
 
 /// Program symbols (byte addresses) and data symbols of an image.
 struct Symbols {
-    std::map<std::string, std::uint32_t> program;
+    std::map<std::string, std::uint32_t> program;  ///< and data, where the file does not tell them apart
     std::map<std::string, std::uint32_t> data;
+    bool is_told_apart = true;
+
+    /// nullptr where the name is not one of data memory.
+    const std::uint32_t *find_data(const std::string &name) const;
 
     /// Reads gplink's .map, or a file of lines `NAME ADDRESS` (hexadecimal, with or without 0x;
-    /// program addresses in bytes; `#` begins a comment). Throws `Failure` naming the line.
+    /// program addresses in bytes; `#` begins a comment), which does not tell the memories apart. Throws `Failure` naming the line.
     void read(const std::string &path);
 };
 

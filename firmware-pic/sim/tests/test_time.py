@@ -108,14 +108,14 @@ class Marks(unittest.TestCase):
                       "                     Name    Address   Location    Storage File\n"
                       "                    _loop   0x000024    program     extern main.c\n"
                       "                   _count   0x000010       data     static main.c\n")
-        for text, data in ((gplink_map, ["data-symbol _count 0x010"]), ("# places\n_loop 24\n", [])):
+        names = "# places\n_loop 24\n_count 0x0010\n"
+        for text, others in ((gplink_map, ["data-symbol _count 0x010"]), (names, ["symbol _count 0x000010"])):
             with tempfile.NamedTemporaryFile("w", suffix=".map") as file:
                 file.write(text)
                 file.flush()
                 with LockStep("steps", "--symbols", file.name) as chip:
-                    self.assertEqual(chip.ok("symbols"), ["symbol _loop 0x000024", *data])
+                    self.assertEqual(sorted(chip.ok("symbols")), sorted(["symbol _loop 0x000024", *others]))
                     chip.ok("mark _loop rise")
                     self.assertEqual(of_kind(chip.ok("advance 110"), "mark"), [[4, "rise"], [104, "rise"]])
-                    if data:
-                        chip.ok("register _count 7")
-                        self.assertEqual(chip.value("register 0x10"), "0x07")
+                    chip.ok("register _count 7")
+                    self.assertEqual(chip.value("register 0x10"), "0x07")

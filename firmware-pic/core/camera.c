@@ -83,7 +83,8 @@ static void monitor_global_position(void)
     if (camera.settle_ms != 0u) {
         camera.settle_ms--;
     }
-    if (dead_man_trips_now(moving)) {
+    if (dead_man_is_due() && moving) {
+        dead_man.trips++;
         communication.cause = STOP_CAUSE_DEAD_MAN;
         stop_axes(MODE_HELD);
     } else if (moving && (camera.settle_ms == 0u) && !is_moving_pan() && !is_moving_tilt()) {

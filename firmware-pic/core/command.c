@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include "controller.h"
+#include "inline.h"
 #include "reception.h"
 
 #define CONTENT reception.content
@@ -22,7 +23,7 @@ void command_reset(void)
 /* Whether the bytes from `end` on, which the kind does not use, are 0. */
 #define ENDS_AT(end) (reception.content_used <= (end))
 
-static bool is_hello_valid(void)
+INLINE bool is_hello_valid(void)
 {
     return (CONTENT[HELLO_SESSION] != 0u) && (CONTENT[HELLO_LOWEST] <= CONTENT[HELLO_HIGHEST]);
 }
@@ -43,7 +44,7 @@ static bool is_configure_valid(void)
 }
 
 #ifdef RSAPIEN_MOTION
-static bool is_step_valid(void)
+INLINE bool is_step_valid(void)
 {
     return ((CONTENT[STEP_POSE + 1u] & (uint8_t)~STEP_POSE_HIGH_MASK) == 0u) &&
            ((CONTENT[STEP_DURATION] | CONTENT[STEP_DURATION + 1u]) != 0u) &&
@@ -63,7 +64,7 @@ static bool is_aim_valid(void)
 
 /* Whether kind, controller and arguments are right: unknown kind, not this controller's, bad
  * argument, or to be executed. */
-static enum status analyse_request(void)
+INLINE enum status analyse_request(void)
 {
     switch (CONTENT[ACTION_KIND]) {
 #ifdef RSAPIEN_MOTION
@@ -112,7 +113,7 @@ static enum status analyse_request(void)
     return STATUS_TO_BE_EXECUTED;
 }
 
-static enum status open_session(void)
+INLINE enum status open_session(void)
 {
     if ((PROTOCOL_VERSION < CONTENT[HELLO_LOWEST]) || (PROTOCOL_VERSION > CONTENT[HELLO_HIGHEST])) {
         return STATUS_VERSION_NOT_SPOKEN;
@@ -125,7 +126,7 @@ static enum status open_session(void)
     return STATUS_ACCEPTED;
 }
 
-static enum status analyse_turn(void)
+INLINE enum status analyse_turn(void)
 {
     uint8_t sequence = CONTENT[ACTION_SEQUENCE];
 

@@ -60,14 +60,12 @@ void crc_add(uint8_t byte)
 
 uint8_t crc_take_bits(void)
 {
-    uint8_t bits = (uint8_t)(crc.low & 0x7Fu);
-    uint8_t high = crc.high;
+    uint8_t bits = crc.low;
 
-    crc.high = (uint8_t)(high >> 7);
-    high = (uint8_t)(high << 1);
-    if ((crc.low & 0x80u) != 0u) {
-        high |= 0x01u;
+    crc.low = (uint8_t)(crc.high << 1);
+    if ((bits & 0x80u) != 0u) {
+        crc.low |= 0x01u;
     }
-    crc.low = high;
-    return bits;
+    crc.high = (uint8_t)(crc.high >> 7);
+    return (uint8_t)(bits & 0x7Fu);
 }

@@ -15,18 +15,15 @@ void dead_man_reset(void)
 
 void dead_man_tick(void)
 {
-    if (dead_man.silence_ms != 0xFFFFu) {
-        dead_man.silence_ms++;
+    dead_man.silence_ms++;
+    if (dead_man.silence_ms == 0u) {
+        dead_man.silence_ms = 0xFFFFu;
     }
 }
 
-bool dead_man_trips_now(bool moving)
+bool dead_man_is_due(void)
 {
-    if (!moving || (dead_man.timeout_ms == 0u) || (dead_man.silence_ms < dead_man.timeout_ms)) {
-        return false;
-    }
-    dead_man.trips++;
-    return true;
+    return (dead_man.silence_ms >= dead_man.timeout_ms) && (dead_man.timeout_ms != 0u);
 }
 
 void dead_man_package_received(void)

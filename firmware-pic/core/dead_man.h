@@ -30,8 +30,9 @@ void dead_man_reset(void);
 /* Timer routine. */
 void dead_man_tick(void);
 
-/* Timer routine: whether the dead-man trips, which is counted. */
-bool dead_man_trips_now(bool moving);
+/* Timer routine: whether the silence has lasted the dead-man time, so that it trips if something
+ * moves; then it is to be counted in `trips`. */
+bool dead_man_is_due(void);
 
 /* Main routine. */
 void dead_man_package_received(void);

@@ -166,20 +166,26 @@ void joints_drive_pins(void)
 /* Switches the motors on that were started. One whose sense turns rests until the next tick. */
 static void joints_start(void)
 {
-    uint8_t first = joints.motors.start_first;
-    uint8_t last = joints.motors.start_last;
-    uint8_t others = (uint8_t) ~(first | last);
-    uint8_t turning = (uint8_t)((first & joints.motors.driven_last) |
-                                (last & joints.motors.driven_first));
+    uint8_t others;
+    uint8_t turning;
 
-    if ((first | last) == 0u) {
+    if ((joints.motors.start_first | joints.motors.start_last) == 0u) {
         return;
     }
-    joints.motors.towards_first = (uint8_t)((joints.motors.towards_first & others) | first);
-    joints.motors.towards_last = (uint8_t)((joints.motors.towards_last & others) | last);
-    joints.motors.dead_time = (uint8_t)((joints.motors.dead_time & others) | turning);
-    joints.motors.driven_first |= (uint8_t)(first & (uint8_t)~turning);
-    joints.motors.driven_last |= (uint8_t)(last & (uint8_t)~turning);
+    others = (uint8_t) ~(joints.motors.start_first | joints.motors.start_last);
+    turning = (uint8_t)((joints.motors.start_first & joints.motors.driven_last) |
+                        (joints.motors.start_last & joints.motors.driven_first));
+    joints.motors.towards_first &= others;
+    joints.motors.towards_first |= joints.motors.start_first;
+    joints.motors.towards_last &= others;
+    joints.motors.towards_last |= joints.motors.start_last;
+    joints.motors.dead_time &= others;
+    joints.motors.dead_time |= turning;
+    turning = (uint8_t)~turning;
+    joints.motors.start_first &= turning;
+    joints.motors.driven_first |= joints.motors.start_first;
+    joints.motors.start_last &= turning;
+    joints.motors.driven_last |= joints.motors.start_last;
     joints.motors.start_first = 0;
     joints.motors.start_last = 0;
 }
@@ -187,7 +193,8 @@ static void joints_start(void)
 void joints_advance(void)
 {
     /* The ms in which both outputs are off is not reckoned. */
-    uint8_t driven = (uint8_t)(joints_moving() & (uint8_t)~joints.motors.dead_time);
+    uint8_t driven = (uint8_t)((joints.motors.towards_first | joints.motors.towards_last) &
+                               (uint8_t)~joints.motors.dead_time);
 
     joints.motors.dead_time = 0;
     joints.motors.driven_first = joints.motors.towards_first;

@@ -59,8 +59,8 @@ static void start_step(void)
         return;
     }
     motion.mode = MODE_EXECUTING;
-    motion.step_remaining_ms =
-        (uint16_t)(step.duration_low_ms | (uint16_t)((uint16_t)step.duration_high_ms << 8));
+    motion.step_remaining_ms = step.duration_low_ms;
+    motion.step_remaining_ms |= (uint16_t)((uint16_t)step.duration_high_ms << 8);
     motion.step_ending_bumpers = step.ending_bumpers;
     joints_send();
 }
@@ -86,7 +86,8 @@ void controller_timer_interrupt(void)
     communication_tick();
     bumpers.due = true;
     joints_advance();
-    if (dead_man_trips_now(is_moving())) {
+    if (dead_man_is_due() && is_moving()) {
+        dead_man.trips++;
         hold(STOP_CAUSE_DEAD_MAN);
     }
     if (motion.mode == MODE_EXECUTING) {

@@ -39,7 +39,7 @@ void reception_reset(void)
 
 /* Once a byte is lost the ones behind it are worth nothing: all are dropped until the main
  * routine has seen the end of what came before and told the state machine. */
-static bool ring_has_a_place(void)
+INLINE bool ring_has_a_place(void)
 {
     uint8_t waiting = (uint8_t)(reception_ring.put - reception_ring.taken);
 

@@ -16,6 +16,6 @@ void main(void)
     for (;;) {
         controller_main_routine();
         servo_pass();
-        led_pass(interrupts_ticks);
+        led_pass();
     }
 }

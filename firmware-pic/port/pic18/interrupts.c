@@ -5,6 +5,7 @@
 #include "clock.h"
 #include "compiler.h"
 #include "controller.h"
+#include "inline.h"
 #include "pins.h"
 #include "port.h"
 #include "sfr.h"
@@ -31,7 +32,7 @@ static uint8_t switch_pins;
 
 /* Looks at the switches at each tick too: a change in the very cycle in which the main routine
  * reads the bumpers of the same port makes no interrupt. */
-static void switches_test(void)
+INLINE void switches_test(void)
 {
     uint8_t pins = PORTB & SWITCH_PINS;
 

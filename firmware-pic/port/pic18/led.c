@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include "led.h"
 
+#include <stdint.h>
+
 #include "controller.h"
+#include "interrupts.h"
 #include "pins.h"
 #include "sfr.h"
 
@@ -46,11 +49,9 @@ static uint8_t dark_bits(void)
     return 0u; /* initialising, executing */
 }
 
-void led_pass(uint8_t ticks)
+void led_pass(void)
 {
-    uint8_t elapsed_ms = (uint8_t)(ticks - led.ticks);
-
-    if (elapsed_ms < 4u) {
+    if ((uint8_t)(interrupts_ticks - led.ticks) < 4u) {
         return;
     }
     led.ticks += 4u;

@@ -12,9 +12,7 @@
 #ifndef RSAPIEN_PIC18_LED_H
 #define RSAPIEN_PIC18_LED_H
 
-#include <stdint.h>
-
-/* Main routine. `ticks`: the tick counter of interrupts.h. */
-void led_pass(uint8_t ticks);
+/* Main routine, at least every 250 ms. */
+void led_pass(void);
 
 #endif

@@ -32,6 +32,6 @@ void main(void)
             bumpers_pressed |= BUMPER_5;
         }
         controller_main_routine(bumpers_pressed, (port_a & PIN_SUPPLY_GOOD) == 0);
-        led_pass(interrupts_ticks);
+        led_pass();
     }
 }

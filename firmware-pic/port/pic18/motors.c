@@ -34,13 +34,17 @@ _Static_assert(PIN_PORT_OF_MOTOR_6_LAST == PIN_PORT_E, "towards last: joint 6 on
  * README.md has the number of cycles. */
 void port_motors(uint8_t towards_first, uint8_t towards_last)
 {
-    LATD &= (uint8_t)(towards_first | (uint8_t)~FIRST_PINS);
-    LATC &= (uint8_t)(towards_last | (uint8_t)~LAST_PINS_C);
+    towards_first |= (uint8_t)~FIRST_PINS;
+    LATD &= towards_first;
     if ((towards_last & JOINT_6) != 0) {
         LATE |= PIN_MOTOR_6_LAST;
     } else {
         LATE &= (uint8_t)~PIN_MOTOR_6_LAST;
     }
-    LATC |= (uint8_t)(towards_last & LAST_PINS_C);
-    LATD |= (uint8_t)(towards_first & FIRST_PINS);
+    towards_last |= (uint8_t)~LAST_PINS_C;
+    LATC &= towards_last;
+    towards_last &= LAST_PINS_C;
+    LATC |= towards_last;
+    towards_first &= FIRST_PINS;
+    LATD |= towards_first;
 }

@@ -25,7 +25,7 @@ import re
 import sys
 
 # Below, sdcc has its registers; the report checks that they end here.
-ACCESS_BEGIN = 0x10
+ACCESS_BEGIN = 0x0C
 ACCESS_END = 0x80
 
 BYTES = {"uint8_t": 1, "_Bool": 1, "uint16_t": 2, "int16_t": 2}

@@ -82,7 +82,7 @@ fetch() {
     say "fetching the source package sdcc $PACKAGE"
     (cd "$work" && apt-get "$@" update -q && apt-get "$@" source -q --download-only "sdcc=$PACKAGE") \
         > "$work/fetch.log" 2>&1 ||
-        cannot "the source package sdcc $PACKAGE cannot be fetched: $(grep '^[EW]:' "$work/fetch.log" | tail -n 1)"
+        cannot "the source package sdcc $PACKAGE cannot be fetched: $(grep '^[EW]:' "$work/fetch.log" | head -n 1)"
     is_the_archive "$work/$ARCHIVE" ||
         fails "$work/$ARCHIVE does not have the sha256 $ARCHIVE_SHA256; remove it and try again"
 }

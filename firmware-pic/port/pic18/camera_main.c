@@ -7,7 +7,7 @@
 #include "reset_cause.h"
 #include "servo.h"
 
-void main(void)
+int main(void)
 {
     controller_reset(reset_cause(), eeprom_read(EEPROM_BOOT));
     eeprom_write(EEPROM_BOOT, controller_boot());

@@ -16,7 +16,7 @@ _Static_assert((PIN_BUMPER_0 == 0x01) && (PIN_BUMPER_1 == 0x02) && (PIN_BUMPER_2
 #define BUMPER_4 0x10u
 #define BUMPER_5 0x20u
 
-void main(void)
+int main(void)
 {
     controller_reset(reset_cause(), eeprom_read(EEPROM_BOOT));
     eeprom_write(EEPROM_BOOT, controller_boot());

@@ -66,9 +66,16 @@
 enum pin_mask { PINS(PIN_MASK) PIN_MASK_END };
 
 /* Each pin's port: PIN_PORT_OF_LED and so on. */
-enum pin_port { PIN_PORT_A, PIN_PORT_B, PIN_PORT_C, PIN_PORT_D, PIN_PORT_E };
 #define PIN_PORT_OF(port, bit, use, name, text) PIN_PORT_OF_##name = PIN_PORT_##port,
-enum pin_port_of { PINS(PIN_PORT_OF) PIN_PORT_OF_END };
+enum pin_port {
+    PIN_PORT_A,
+    PIN_PORT_B,
+    PIN_PORT_C,
+    PIN_PORT_D,
+    PIN_PORT_E,
+    PINS(PIN_PORT_OF)
+    PIN_PORT_END
+};
 
 enum pin_use { PIN_USE_LOW = 0, PIN_USE_HIGH = 1, PIN_USE_INPUT = 2 };
 

@@ -66,7 +66,12 @@ def main(arguments):
             wrong.append("there is initialised data (.idata in the map)")
         if section == ".registers" and size > ACCESS_BEGIN:
             wrong.append(f"the compiler's registers take {size} bytes: ACCESS_BEGIN is too low")
-    wrong += [f"generic pointers: {name}" for name in linked.program if "gptr" in name]
+    wrong += [f"generic pointers: {symbol}" for symbol in linked.program if "gptr" in symbol]
+    wrong += [
+        f"a local variable in static memory, no routine is to have one: {symbol}"
+        for symbol in linked.data
+        if re.fullmatch(r"_\w+_\d+_\d+", symbol) and not symbol.startswith("__")
+    ]
     begin, end = linked.data["_stack"], linked.data["_stack_end"]
     if begin >> 8 != end >> 8:
         wrong.append(f"the stack, 0x{begin:03x} to 0x{end:03x}, lies across two banks")

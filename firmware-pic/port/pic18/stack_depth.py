@@ -10,7 +10,9 @@ PREINC1 and POSTINC1. The worst case is the main routine's deepest place, interr
 low-priority routine, that one at its deepest place by the high-priority one.
 
 Refuses what it cannot follow: recursion, jumps to reckoned addresses but for sdcc's tables of
-GOTOs, a place that is reached with two depths, a return that leaves bytes behind.
+GOTOs, a place that is reached with two depths, a return that leaves bytes behind. Refuses what
+sdcc's interrupts do not save: reading tables in program memory, anywhere, and in an interrupt the
+compiler's own library (long multiplication and division keep their operands in static memory).
 """
 
 import sys
@@ -76,6 +78,8 @@ def decode(image, address):
         return 2, "reset", None, []
     if word in (0x0005, 0x0006):
         raise Refused(f"PUSH or POP at 0x{address:04x}")
+    if 0x0008 <= word <= 0x000F:
+        raise Refused(f"a table in program memory is read or written at 0x{address:04x}")
     if top >> 4 == 0xC:
         return 4, "next", None, [word & 0xFFF, image.word(address + 2) & 0xFFF]
     if top == 0xEE:
@@ -165,10 +169,13 @@ def depths(image, entry, done, under_way=()):
 def measure(memory, names):
     """{"main": (levels, bytes), "low": ..., "high": ..., "worst": ...}"""
     image = Image(memory, names)
-    done = {}
     found = {}
     for routine, vector in VECTORS.items():
-        levels, stack_bytes = depths(image, vector, done)
+        reached = {}
+        levels, stack_bytes = depths(image, vector, reached)
+        library = [image.name(entry) for entry in reached if image.name(entry).startswith("__")]
+        if routine != "main" and library:
+            raise Refused(f"the {routine}-priority interrupt calls {', '.join(library)}")
         # An interrupt takes a return level itself.
         found[routine] = (levels + (routine != "main"), stack_bytes)
     found["worst"] = tuple(sum(part) for part in zip(*(found[name] for name in VECTORS)))

@@ -6,6 +6,11 @@
 #include "port.h"
 #include "queue.h"
 
+/* Bits of a full travel time. */
+#define TRAVEL_BITS 14u
+#if TRAVEL_MS_MAX >= (1u << TRAVEL_BITS)
+#error "a full travel time has more bits"
+#endif
 #if DEAD_TIME_MS != 1
 #error "a bit a joint keeps one tick of dead time"
 #endif
@@ -28,12 +33,12 @@ static void set_travel(uint16_t full_travel_ms)
  * most that 16 bits ever hold here. */
 static void scale_position(uint16_t old_travel_ms)
 {
-    uint16_t factor = travel.full_ms;
+    uint16_t factor = (uint16_t)(travel.full_ms << (16u - TRAVEL_BITS));
     uint16_t quotient = 0;
     uint16_t left_over = 0;
     uint8_t bits;
 
-    for (bits = 0; bits < 16u; bits++) {
+    for (bits = 0; bits < TRAVEL_BITS; bits++) {
         quotient = (uint16_t)(quotient << 1);
         left_over = (uint16_t)(left_over << 1);
         if ((factor & 0x8000u) != 0u) {

@@ -12,6 +12,8 @@ use rsapien_tests::firmware::gpsim::Image;
 use rsapien_tests::firmware::hex::HexBench;
 use rsapien_tests::firmware::random::{Generator, Move};
 use rsapien_tests::firmware::scenario::Scenario;
+use rsapien_tests::firmware::timing;
+use rsapien_tests::{read, workspace};
 use std::time::Instant;
 
 /// Packages that the random sessions have accepted, for either controller.
@@ -122,4 +124,19 @@ fn session(
     coverage.add(&bench.world().coverage);
     coverage.sessions += 1;
     Ok(())
+}
+
+#[test]
+fn the_timing_page_tells_what_the_flashed_images_take() {
+    // The simulator is exact to the cycle, so what was printed once must come out again.
+    let page = read(&workspace().join("docs/firmware-timing.md"));
+    let measured =
+        timing::tables_of_the_committed_images().unwrap_or_else(|error| panic!("{error}"));
+    let missing: Vec<&str> =
+        measured.lines().filter(|line| !page.lines().any(|told| told == *line)).collect();
+    assert!(
+        missing.is_empty(),
+        "docs/firmware-timing.md is of other images: print it anew by the example firmware-timing\n{}",
+        missing.join("\n")
+    );
 }

@@ -30,3 +30,5 @@ pub mod gpsim;
 pub mod hex;
 #[cfg(feature = "firmware-simulator")]
 pub mod servos;
+#[cfg(feature = "firmware-simulator")]
+pub mod timing;

@@ -481,7 +481,7 @@ impl HexBench {
 }
 
 /// The sense (0: towards first) and the joint that a pin of the motion controller drives.
-fn motor_of(pin: &str) -> Option<(usize, usize)> {
+pub(super) fn motor_of(pin: &str) -> Option<(usize, usize)> {
     let bit = usize::from(pin.as_bytes().get(2)?.checked_sub(b'0')?);
     match pin.get(..2)? {
         "rd" if bit < Joint::COUNT => Some((0, bit)),

@@ -171,14 +171,8 @@ void joints_drive_pins(void)
 /* Switches the motors on that were started. One whose sense turns rests until the next tick. */
 static void joints_start(void)
 {
-    uint8_t others;
-    uint8_t turning;
-
-    if ((joints.motors.start_first | joints.motors.start_last) == 0u) {
-        return;
-    }
-    others = (uint8_t) ~(joints.motors.start_first | joints.motors.start_last);
-    turning = (uint8_t)((joints.motors.start_first & joints.motors.driven_last) |
+    uint8_t others = (uint8_t) ~(joints.motors.start_first | joints.motors.start_last);
+    uint8_t turning = (uint8_t)((joints.motors.start_first & joints.motors.driven_last) |
                         (joints.motors.start_last & joints.motors.driven_first));
     joints.motors.towards_first &= others;
     joints.motors.towards_first |= joints.motors.start_first;
@@ -225,7 +219,9 @@ void joints_advance(void)
     if (HAS(driven, 6)) {
         advance_6();
     }
-    joints_start();
+    if ((joints.motors.start_first | joints.motors.start_last) != 0u) {
+        joints_start();
+    }
 }
 
 void joints_send(void)

@@ -2,8 +2,8 @@
 #include "reception.h"
 
 #include "controller.h"
-#include "inline.h"
 #include "crc.h"
+#include "inline.h"
 
 #define RING_MASK (RECEIVE_RING_LENGTH - 1u)
 
@@ -142,28 +142,40 @@ INLINE void take_data(void)
     }
 }
 
-/* Takes the check's next byte; tells whether it completed an intact package. */
-static bool take_check(void)
+/* The check's third byte, with bits 14 and 15; tells whether it completed an intact package. */
+INLINE bool take_last_check(void)
 {
-    if (crc_take_bits() != reception.byte) {
-        reception.check_differs = true;
-    }
-    reception.group_index++;
-    if (reception.group_index != CHECK_LENGTH) {
-        return false;
-    }
     if (reception.byte > LAST_CHECK_BYTE_MAX) {
         abandon_package();
         return false;
     }
     reception.state = RECEPTION_HUNTING;
-    if (reception.check_differs) {
+    if (reception.check_differs || (reception.byte != (uint8_t)(crc.high >> 6))) {
         reception.crc_errors++;
         reception.errors++;
         return false;
     }
     reception.accepted++;
     return true;
+}
+
+/* The check's first byte, with bits 0 to 6, and its second, with bits 7 to 13. */
+INLINE void take_check(void)
+{
+    uint8_t expected;
+
+    if (reception.group_index == 0u) {
+        expected = (uint8_t)(crc.low & 0x7Fu);
+    } else {
+        expected = (uint8_t)((uint8_t)(crc.high << 1) & 0x7Fu);
+        if ((crc.low & 0x80u) != 0u) {
+            expected |= 0x01u;
+        }
+    }
+    if (reception.byte != expected) {
+        reception.check_differs = true;
+    }
+    reception.group_index++;
 }
 
 /* Takes `reception.byte`; tells whether it completed an intact package. */
@@ -174,7 +186,10 @@ static bool take_byte(void)
         if (reception.state == RECEPTION_DATA) {
             take_data();
         } else if (reception.state == RECEPTION_CHECK) {
-            return take_check();
+            if (reception.group_index == (CHECK_LENGTH - 1u)) {
+                return take_last_check();
+            }
+            take_check();
         } else if (reception.state == RECEPTION_SYNCHRONIZATION) {
             abandon_package();
         } else {

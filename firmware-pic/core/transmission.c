@@ -3,6 +3,7 @@
 
 #include "controller.h"
 #include "crc.h"
+#include "inline.h"
 #include "port.h"
 
 #define HEADER_TO_PC (0xE0u | (CONTROLLER_ADDRESS << 3) | PROTOCOL_VERSION)
@@ -27,7 +28,7 @@ void transmission_owe(void)
     transmission.owed = true;
 }
 
-static bool is_idle(void)
+INLINE bool is_idle(void)
 {
     return transmission.next >= SYNCHRONIZATION_PACKAGE_LENGTH;
 }

@@ -40,12 +40,6 @@ uint8_t controller_boot(void)
     return communication.boot;
 }
 
-void communication_tick(void)
-{
-    reception_tick();
-    dead_man_tick();
-}
-
 void communication_report_hello(enum status status)
 {
     transmission.report[REPORT_HELLO_VERSION] =

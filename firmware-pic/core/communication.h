@@ -18,7 +18,10 @@
 
 #include <stdint.h>
 
+#include "dead_man.h"
+#include "inline.h"
 #include "protocol.h"
+#include "reception.h"
 
 struct communication {
     uint8_t boot;
@@ -30,7 +33,11 @@ extern struct communication communication;
 void communication_reset(enum stop_cause cause, uint8_t eeprom_boot);
 
 /* Timer routine. */
-void communication_tick(void);
+INLINE void communication_tick(void)
+{
+    reception_tick();
+    dead_man_tick();
+}
 
 /* Main routine: everything but what the controller tests by itself. */
 void communication_pass(void);

@@ -13,19 +13,6 @@ void dead_man_reset(void)
     dead_man.trips = 0;
 }
 
-void dead_man_tick(void)
-{
-    dead_man.silence_ms++;
-    if (dead_man.silence_ms == 0u) {
-        dead_man.silence_ms = 0xFFFFu;
-    }
-}
-
-bool dead_man_is_due(void)
-{
-    return (dead_man.silence_ms >= dead_man.timeout_ms) && (dead_man.timeout_ms != 0u);
-}
-
 void dead_man_package_received(void)
 {
     port_lock();

@@ -17,6 +17,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "inline.h"
+
 struct dead_man {
     uint16_t timeout_ms; /* 0: off; set by CONFIGURE, locked */
     uint16_t silence_ms; /* at most 65535 */
@@ -28,11 +30,20 @@ extern struct dead_man dead_man;
 void dead_man_reset(void);
 
 /* Timer routine. */
-void dead_man_tick(void);
+INLINE void dead_man_tick(void)
+{
+    dead_man.silence_ms++;
+    if (dead_man.silence_ms == 0u) {
+        dead_man.silence_ms = 0xFFFFu;
+    }
+}
 
 /* Timer routine: whether the silence has lasted the dead-man time, so that it trips if something
  * moves; then it is to be counted in `trips`. */
-bool dead_man_is_due(void);
+INLINE bool dead_man_is_due(void)
+{
+    return (dead_man.silence_ms >= dead_man.timeout_ms) && (dead_man.timeout_ms != 0u);
+}
 
 /* Main routine. */
 void dead_man_package_received(void);

@@ -25,6 +25,7 @@ static void set_travel(uint16_t full_travel_ms)
     travel.full_ms = full_travel_ms;
     travel.middle_ms = (uint16_t)(full_travel_ms >> 1);
     travel.overrun_ms = (uint16_t)(full_travel_ms >> OVERRUN_SHIFT);
+    travel.run_ms = (uint16_t)(full_travel_ms + travel.overrun_ms);
 }
 
 /* Scales `travel.position_ms` from a travel time of `old_travel_ms`, at least as much, to
@@ -163,9 +164,14 @@ uint8_t joints_pose_reached_high(void)
 void joints_drive_pins(void)
 {
     uint8_t on = (uint8_t)~joints.motors.dead_time;
+    uint8_t first = (uint8_t)(joints.motors.towards_first & on);
+    uint8_t last = (uint8_t)(joints.motors.towards_last & on);
 
-    port_motors((uint8_t)(joints.motors.towards_first & on),
-                (uint8_t)(joints.motors.towards_last & on));
+    if ((first != joints.motors.pins_first) || (last != joints.motors.pins_last)) {
+        joints.motors.pins_first = first;
+        joints.motors.pins_last = last;
+        port_motors(first, last);
+    }
 }
 
 /* Switches the motors on that were started. One whose sense turns rests until the next tick. */

@@ -64,6 +64,7 @@ struct joint_drive {
     uint16_t full_travel_ms;
     uint16_t middle_ms;  /* half of it, */
     uint16_t overrun_ms; /* an eighth of it: both kept, since a PIC18 shifts slowly */
+    uint16_t run_ms;     /* all of it and the overrun */
     uint16_t position_ms;
     uint16_t remaining_ms; /* ticks until the movement under way ends */
 };
@@ -73,6 +74,7 @@ struct travel {
     uint16_t full_ms;
     uint16_t middle_ms;
     uint16_t overrun_ms;
+    uint16_t run_ms;
     uint16_t position_ms; /* of the joint that gets it */
 };
 
@@ -83,6 +85,8 @@ struct motors {
     uint8_t dead_time;     /* both outputs stay off until the next tick */
     uint8_t driven_first;  /* on the pins last, in the present tick or the one before; */
     uint8_t driven_last;   /* in neither: off for a whole tick */
+    uint8_t pins_first;    /* what stands on the pins */
+    uint8_t pins_last;
     uint8_t start_first;   /* to be switched on when all joints have been looked at */
     uint8_t start_last;
 };

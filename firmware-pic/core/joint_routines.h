@@ -30,6 +30,7 @@ static void NAME(take_travel)(void)
     DRIVE.full_travel_ms = travel.full_ms;
     DRIVE.middle_ms = travel.middle_ms;
     DRIVE.overrun_ms = travel.overrun_ms;
+    DRIVE.run_ms = travel.run_ms;
     DRIVE.position_ms = travel.position_ms;
 }
 
@@ -96,8 +97,7 @@ INLINE void NAME(reckon_way_to_first)(void)
 
 INLINE void NAME(reckon_way_to_last)(void)
 {
-    DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms - DRIVE.position_ms);
-    DRIVE.remaining_ms += DRIVE.overrun_ms;
+    DRIVE.remaining_ms = (uint16_t)(DRIVE.run_ms - DRIVE.position_ms);
 }
 
 /* Sends the joint where `step` says, if it says so, unless it is there or already going there. */
@@ -126,7 +126,7 @@ INLINE void NAME(home)(void)
 {
     DRIVE.target = POSE_OF(POSITION_MIDDLE);
     DRIVE.state = JOINT_STATE_HOMING;
-    DRIVE.remaining_ms = (uint16_t)(DRIVE.full_travel_ms + DRIVE.overrun_ms);
+    DRIVE.remaining_ms = DRIVE.run_ms;
     joints.motors.start_first |= BIT;
 }
 

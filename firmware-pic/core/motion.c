@@ -6,6 +6,7 @@
 #include "communication.h"
 #include "controller.h"
 #include "dead_man.h"
+#include "inline.h"
 #include "joint.h"
 #include "port.h"
 #include "queue.h"
@@ -122,7 +123,7 @@ static void initialise(void)
     joints_home();
 }
 
-static enum status accept_step(void)
+INLINE enum status accept_step(void)
 {
     uint8_t replaces = (uint8_t)(reception.content[STEP_FLAGS] & STEP_FLAG_REPLACE);
 

@@ -69,13 +69,6 @@ void controller_receive_error(enum line_error error)
     }
 }
 
-void reception_tick(void)
-{
-    if (reception.silence_ms != 0xFFu) {
-        reception.silence_ms++;
-    }
-}
-
 static void abandon_package(void)
 {
     reception.resets++;

@@ -20,6 +20,7 @@
 #include <stdint.h>
 
 #include "constants.h"
+#include "inline.h"
 
 enum reception_state {
     RECEPTION_HUNTING = 0,
@@ -62,7 +63,12 @@ extern struct reception reception;
 void reception_reset(void);
 
 /* Timer routine. */
-void reception_tick(void);
+INLINE void reception_tick(void)
+{
+    if (reception.silence_ms != 0xFFu) {
+        reception.silence_ms++;
+    }
+}
 
 /* Main routine: takes bytes out until a package is complete, which is told, or the ring is
  * empty. Bytes behind a complete package wait for the next pass, so that no answer is lost. */

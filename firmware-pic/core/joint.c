@@ -15,6 +15,9 @@
 #error "a bit a joint keeps one tick of dead time"
 #endif
 
+/* No pins are like this, so the next time they are written in any case. */
+#define PINS_UNKNOWN 0xFFu
+
 struct joints joints;
 
 /* The travel time that a joint is about to get. Main routine only. */
@@ -164,13 +167,19 @@ uint8_t joints_pose_reached_high(void)
 void joints_drive_pins(void)
 {
     uint8_t on = (uint8_t)~joints.motors.dead_time;
-    uint8_t first = (uint8_t)(joints.motors.towards_first & on);
-    uint8_t last = (uint8_t)(joints.motors.towards_last & on);
 
-    if ((first != joints.motors.pins_first) || (last != joints.motors.pins_last)) {
-        joints.motors.pins_first = first;
-        joints.motors.pins_last = last;
-        port_motors(first, last);
+    joints.motors.pins_first = (uint8_t)(joints.motors.towards_first & on);
+    joints.motors.pins_last = (uint8_t)(joints.motors.towards_last & on);
+    port_motors(joints.motors.pins_first, joints.motors.pins_last);
+}
+
+void joints_drive_changed_pins(void)
+{
+    uint8_t on = (uint8_t)~joints.motors.dead_time;
+
+    if (((joints.motors.towards_first & on) != joints.motors.pins_first) ||
+        ((joints.motors.towards_last & on) != joints.motors.pins_last)) {
+        joints_drive_pins();
     }
 }
 
@@ -293,6 +302,7 @@ void joints_stop(void)
         forget_6();
     }
     motors_off();
+    joints.motors.pins_first = PINS_UNKNOWN;
 }
 
 void joints_configure(uint8_t joint, uint16_t full_travel_ms)

@@ -108,8 +108,12 @@ uint8_t joints_moving(void);
 uint8_t joints_pose_reached_low(void);
 uint8_t joints_pose_reached_high(void);
 
-/* Puts the motors' outputs on the pins. */
+/* Puts the motors' outputs on the pins, whatever stands there. */
 void joints_drive_pins(void);
+
+/* The same for the timer routine, which runs so often: only if they have changed, or if motors
+ * were stopped. */
+void joints_drive_changed_pins(void);
 
 /* Timer routine: 1 ms has passed. */
 void joints_advance(void);

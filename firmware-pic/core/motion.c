@@ -103,7 +103,7 @@ void controller_timer_interrupt(void)
     } else {
         /* Nothing that time brings to an end. */
     }
-    joints_drive_pins();
+    joints_drive_changed_pins();
 }
 
 void controller_input_change_interrupt(uint8_t switches_closed)

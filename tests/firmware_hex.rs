@@ -3,7 +3,6 @@
 //!
 //! Needs the feature `firmware-simulator`, and the bridge: `make -C firmware-pic/sim`. What is missing is
 //! a failure here, not a skip: a machine without gpsim leaves the feature away.
-#![cfg(feature = "firmware-simulator")]
 
 use rsapien_protocol::Address;
 use rsapien_tests::firmware::bench::{Bench, BenchError};

@@ -15,6 +15,8 @@
 //!        └ pins of the tick before compared; the model's timer interrupt and first pass
 //! ```
 
+mod line;
+
 use super::bench::{Action, Bench, BenchError, World};
 use super::event::Event;
 use super::gpsim::{Gpsim, GpsimError, Happening, Image};
@@ -31,17 +33,10 @@ const BEFORE_LINE_AT: u64 = 30;
 const LINE_AT: u64 = 40;
 const BEHIND_LINE_AT: u64 = 52;
 const END_AT: u64 = 75;
-/// Where an owed answer must not begin, since the tick might be told in it or not.
-const OWED_FROM: u64 = 4;
-const OWED_TO: u64 = 78;
 /// The longest from power-on to the first tick, in ms: the EEPROM takes its time.
 const START_MS_MAX: u64 = 60;
 /// Bytes between the chip's memory and its pin: the one on the line and the one that waits.
 const IN_FLIGHT: usize = 2;
-/// Bytes of an answer, and how many of them are out when the next answer can begin.
-const ANSWER_BYTES: u64 = rsapien_protocol::SYNCHRONIZATION_PACKAGE_LENGTH as u64;
-const OWED_BYTES: u64 = ANSWER_BYTES - IN_FLIGHT as u64;
-
 impl From<GpsimError> for BenchError {
     fn from(error: GpsimError) -> BenchError {
         BenchError(error.to_string())
@@ -368,96 +363,19 @@ impl HexBench {
         self.world.coverage.see(event, &self.world.reference, &[]);
     }
 
-    /// The first cycle not before `earliest` where bytes may begin to come: so that a package ends inside
-    /// a tick, or its rest begins there, and so that the answer does not begin about a tick because
-    /// another is still on its way.
-    fn begin_of_line(&self, earliest: u64, bytes: &[u8]) -> u64 {
-        let length = self.byte_cycles * bytes.len() as u64;
-        let mut begin = earliest.max(self.line_free_at);
-        loop {
-            let first = self.hundredths(begin + self.byte_cycles);
-            let last = self.hundredths(begin + length);
-            let fits = if is_rest(bytes) {
-                // The silence before it is what counts.
-                (15..60).contains(&first) && (10..78).contains(&last)
-            } else {
-                last == LINE_AT
-            };
-            if fits && self.answer_begins_well(begin + length) {
-                return begin;
-            }
-            begin += self.tick_cycles / 200;
-        }
-    }
-
-    /// Whether the answer to a package that is complete at `end` begins well inside a tick.
-    fn answer_begins_well(&self, end: u64) -> bool {
-        if self.in_flight.is_empty() {
-            return true;
-        }
-        let apart = self.tick_cycles / 4;
-        let free = self.answer_began + OWED_BYTES * self.byte_cycles;
-        // Behind the answer that is on its way another one may wait already.
-        let free_again = free + ANSWER_BYTES * self.byte_cycles;
-        let fits = |at: u64| (OWED_FROM..OWED_TO).contains(&self.hundredths(at));
-        if end + apart < free {
-            fits(free)
-        } else if end > free + apart && end + apart < free_again {
-            fits(free_again)
-        } else {
-            end > free_again + apart
-        }
-    }
-
-    /// Gives bytes to the bridge, to come in the part of a tick where they belong, not before the tick of
-    /// the cycle `in_tick`. Gives where they end.
-    fn schedule(&mut self, bytes: &[u8], tick_begins: u64) -> Result<u64, BenchError> {
-        let length = self.byte_cycles * bytes.len() as u64;
-        let earliest = if is_rest(bytes) {
-            tick_begins + self.tick_cycles * 15 / 100 - self.byte_cycles
-        } else {
-            (tick_begins + self.tick_cycles * (LINE_AT - 1) / 100).saturating_sub(length)
-        };
-        let begin = self.begin_of_line(earliest.max(self.cycle), bytes);
-        self.chip.send(bytes, begin)?;
-        self.sent.extend(bytes.iter().map(|byte| Sent::Byte(*byte)));
-        self.line_free_at = begin + length;
-        Ok(begin + length)
-    }
-
-    fn line(&mut self, bytes: &[u8]) -> Result<(), BenchError> {
-        if bytes.is_empty() {
-            return Ok(());
-        }
-        let end = match self.scheduled.take() {
-            Some(scheduled) if scheduled.bytes == bytes => scheduled.end_cycle,
-            Some(_) => return Err(BenchError("another line was told ahead".to_owned())),
-            None => self.schedule(bytes, self.tick_cycle)?,
-        };
-        // A line that is behind the clock of its own by rounding has been heard by then too.
-        self.go_on_to(end)?;
-        self.go_on_to(self.part(BEHIND_LINE_AT).max(self.cycle))
-    }
-
-    fn framing_error(&mut self) -> Result<(), BenchError> {
-        let begin = self.begin_of_line(self.cycle, &[0x55]);
-        let end = begin + self.byte_cycles;
-        self.chip.tell(&format!("send-framing 55 {begin}"))?;
-        self.sent.push_back(Sent::Framing);
-        // Behind a missing stop bit the line has to rest before the next start bit is one.
-        self.line_free_at = end + self.byte_cycles;
-        self.go_on_to(end + self.byte_cycles)
-    }
-
-    /// A reset for a cause, with another EEPROM or with the one it has. Causes but power-on are told by
-    /// the bits of RCON as the data sheet has them at the reset, since nothing in the simulator's chip
-    /// sags or hangs.
+    /// A reset for a cause, with another EEPROM or with the one it has. That the watchdog has bitten is
+    /// told by RCON as the data sheet has it then, since the chip's main routine does not hang.
     fn reset(&mut self, cause: ResetCause, other_eeprom: Option<u8>) -> Result<(), BenchError> {
         const RCON: &str = "0xFD0";
         let rcon = match cause {
-            ResetCause::PowerOn => None,
-            ResetCause::BrownOut => Some("0x1E"),
+            // TO is 0.
             ResetCause::Watchdog => Some("0x17"),
+            ResetCause::PowerOn | ResetCause::BrownOut => None,
+        };
+        let command = match cause {
+            ResetCause::PowerOn => "reset power-on",
+            ResetCause::BrownOut => "reset brown-out",
+            ResetCause::Watchdog => "reset mclr",
         };
         let mut eeprom_boot = self.world.reference.boot();
         if let Some(other) = other_eeprom {
@@ -465,7 +383,6 @@ impl HexBench {
             eeprom_boot = other;
         }
         self.sent.clear();
-        let command = if rcon.is_some() { "reset mclr" } else { "reset power-on" };
         if let Some(value) = rcon {
             self.chip.tell(&format!("register {RCON} {value}"))?;
         }

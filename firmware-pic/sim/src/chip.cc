@@ -15,6 +15,7 @@
 #include "eeprom_time.h"
 #include "failure.h"
 #include "hex_image.h"
+#include "nested_interrupts.h"
 #include "reset_values.h"
 #include "serial_port.h"
 
@@ -137,6 +138,7 @@ Chip::Chip(const Options &options, Events &events) : events_(events) {
     processor_->reset(POR_RESET);
     serial_port_ = std::make_unique<SerialPort>(*processor_);
     probe_ = std::make_unique<ResetProbe>(processor_, *serial_port_, events_);
+    nested_interrupts_ = std::make_unique<NestedInterrupts>(*processor_);
     eeprom_time_ = std::make_unique<EepromTime>(*processor_, options.cycles_per_second());
 }
 

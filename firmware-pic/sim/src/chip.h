@@ -19,6 +19,7 @@ class pic_processor;
 namespace bridge {
 
 class EepromTime;
+class NestedInterrupts;
 class ResetProbe;
 class SerialPort;
 
@@ -68,6 +69,7 @@ private:
     std::unique_ptr<SerialPort> serial_port_;
     std::unique_ptr<ResetProbe> probe_;
     std::unique_ptr<EepromTime> eeprom_time_;
+    std::unique_ptr<NestedInterrupts> nested_interrupts_;
     Events &events_;
     std::string stopped_because_;
 };

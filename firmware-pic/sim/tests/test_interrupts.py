@@ -43,3 +43,22 @@ class Interrupts(unittest.TestCase):
             self.assertLessEqual(entries[0] - now, 4)
         self.chip.ok("set rb0 0")  # causes none
         self.assertEqual(of_kind(self.chip.ok("advance 100"), "mark"), [])
+
+    def test_high_priority_interrupts_low(self):
+        """A byte that comes while the tick's routine runs does not wait for its end."""
+        first = self.chip.ok(f"advance {2 * TICK}")
+        tick = next(cycle for cycle, name in of_kind(first, "mark") if name == "low")
+        latencies, within = set(), 0
+        for number in range(1, 41):
+            # The cause comes about 40 cycles around the entry of tick number `2 * number`.
+            at = tick + 2 * number * TICK - int(9.75 * BIT) - 20 + number
+            self.chip.ok(f"send 41 {at}")
+            events = self.chip.ok(f"advance {tick + (2 * number + 1) * TICK - int(self.chip.value('cycles'))}")
+            [[heard]] = of_kind(events, "heard")
+            names = of_kind(events, "mark")
+            [entry] = [cycle for cycle, name in names if name == "high"]
+            latencies.add(entry - heard)
+            around = [name for cycle, name in names if abs(cycle - entry) < 60]
+            within += "low" in around and around.index("low") < around.index("high") < around.index("low-end")
+        self.assertGreater(within, 3)
+        self.assertLessEqual(max(latencies) - min(latencies), 4, sorted(latencies))

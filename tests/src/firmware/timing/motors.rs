@@ -1,7 +1,7 @@
 //! From a byte or a tick to the motors' pins.
 
 use super::Measured;
-use super::rig::Rig;
+use super::rig::{PATIENCE_CYCLES, Rig};
 use crate::firmware::gpsim::{GpsimError, Happening, Image};
 use crate::firmware::hex::motor_of;
 use rsapien_protocol::{
@@ -11,14 +11,18 @@ use rsapien_protocol::{
 /// What the motors do, measured of one image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motors {
-    /// From the last byte of a STEP to the last of its seven motors on.
+    /// From the last byte of a STEP to the last of its seven motors on, alone on the line.
     pub(super) step_on: Measured,
+    /// The same in a crowd.
+    pub(super) step_on_in_a_crowd: Measured,
     /// From the last byte of a STEP that turns seven motors to the last of them off.
     pub(super) step_turns: Measured,
     /// From the tick in which a step starts to the last of its seven motors on.
     pub(super) start_on: Measured,
-    /// From the last byte of STOP to the last of seven motors off.
+    /// From the last byte of STOP to the last of seven motors off, alone on the line.
     pub(super) stop_off: Measured,
+    /// The same in a crowd.
+    pub(super) stop_off_in_a_crowd: Measured,
     /// From the last byte of the last package to the last of seven motors off.
     pub(super) silence_off: Measured,
     /// Between the two senses of a motor, both outputs off.
@@ -34,13 +38,24 @@ const TURNS: u64 = 300;
 pub(super) fn measure(image: &Image) -> Result<Motors, GpsimError> {
     let mut rig = Rig::ready(image)?;
     Ok(Motors {
-        step_on: step_on(&mut rig)?,
+        step_on: step_on(&mut rig, Line::Alone)?,
+        step_on_in_a_crowd: step_on(&mut rig, Line::Crowd)?,
         step_turns: step_turns(&mut rig)?,
         start_on: start_on(&mut rig)?,
-        stop_off: stop_off(&mut rig)?,
+        stop_off: stop_off(&mut rig, Line::Alone)?,
+        stop_off_in_a_crowd: stop_off(&mut rig, Line::Crowd)?,
         dead: dead(&mut rig)?,
         silence_off: silence_off(&mut rig)?,
     })
+}
+
+/// What else is on the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Line {
+    /// Nothing: the PC waits for every answer, as the rules of the link have it.
+    Alone,
+    /// Another package right before, whose answer goes out now, and other bytes right behind.
+    Crowd,
 }
 
 /// A step that sends every joint to `position`, at once.
@@ -66,30 +81,32 @@ impl Rig {
         self.run_ms(3)
     }
 
-    /// Sends a package so that its last byte comes at `phase` of `phases` of a tick, with an answer on
-    /// its way out and other bytes right behind it. Gives the cycle of the last byte, and what happened
-    /// from there on for some ms.
-    fn send_under_load(
+    /// Sends a package so that its last byte comes at `phase` of `phases` of a tick. Gives the cycle of
+    /// the last byte, and what happened from there on for some ms.
+    fn send_at(
         &mut self,
         request: Request,
+        line: Line,
         (phase, phases): (u64, u64),
         reach_back: u64,
     ) -> Result<(u64, Vec<(u64, Happening)>), GpsimError> {
         let tick = self.tick_edge()?;
-        let state = self.package(Request::State);
-        let package = self.package(request);
-        let other = ActionPackage { session: 1, sequence: 0, request: Request::State };
-        let other = other.encode(Address::Camera);
-        let before = self.line_cycles(state.len() + package.len());
+        let (mut bytes, mut behind) = (Vec::new(), Vec::new());
+        if line == Line::Crowd {
+            bytes = self.package(Request::State);
+            let other = ActionPackage { session: 1, sequence: 0, request: Request::State };
+            behind.extend(other.encode(Address::Camera));
+        }
+        bytes.extend(self.package(request));
+        let (last_byte, before) = (bytes.len() - 1, self.line_cycles(bytes.len()));
+        bytes.extend(&behind);
         let ms = self.cycles_a_ms();
         let end = tick + (before / ms + 2) * ms + reach_back_phase(ms, phase, phases, reach_back);
-        let bytes = [state.as_slice(), &package, &other].concat();
-        let begin = end - before;
-        self.chip.send(&bytes, begin)?;
-        self.run_to(end + self.line_cycles(other.len()) + 3 * ms)?;
+        self.chip.send(&bytes, end - before)?;
+        self.run_to(end + self.line_cycles(behind.len()) + 2 * ms + PATIENCE_CYCLES)?;
         let log = self.take();
         let mut heard = log.iter().filter(|(_, happening)| *happening == Happening::Heard);
-        let last = heard.nth(state.len() + package.len() - 1).map(|(at, _)| *at);
+        let last = heard.nth(last_byte).map(|(at, _)| *at);
         let last = last.ok_or_else(|| GpsimError::Broken("a package was not heard".to_owned()))?;
         Ok((last, log.into_iter().filter(|(at, _)| *at >= last).collect()))
     }
@@ -123,11 +140,11 @@ fn last_of_seven(log: &[(u64, Happening)], level: bool, begin: u64) -> Result<u6
     }
 }
 
-fn step_on(rig: &mut Rig) -> Result<Measured, GpsimError> {
+fn step_on(rig: &mut Rig, line: Line) -> Result<Measured, GpsimError> {
     let mut measured = Measured::default();
     for phase in 0..PHASES {
         rig.rest()?;
-        let (begin, log) = rig.send_under_load(all_to(end_position(phase)), (phase, PHASES), 0)?;
+        let (begin, log) = rig.send_at(all_to(end_position(phase)), line, (phase, PHASES), 0)?;
         measured.add(last_of_seven(&log, true, begin)?);
     }
     Ok(measured)
@@ -138,7 +155,8 @@ fn step_turns(rig: &mut Rig) -> Result<Measured, GpsimError> {
     rig.ask(all_to(Position::Last))?;
     let mut measured = Measured::default();
     for phase in 0..PHASES {
-        let (begin, log) = rig.send_under_load(all_to(end_position(phase)), (phase, PHASES), 0)?;
+        let (begin, log) =
+            rig.send_at(all_to(end_position(phase)), Line::Alone, (phase, PHASES), 0)?;
         measured.add(last_of_seven(&log, false, begin)?);
     }
     Ok(measured)
@@ -152,7 +170,7 @@ fn dead(rig: &mut Rig) -> Result<Measured, GpsimError> {
     let reach_back = rig.cycles_a_ms().min(8_000);
     for phase in 0..TURNS {
         let request = all_to(end_position(phase));
-        let (_, log) = rig.send_under_load(request, (phase, TURNS), reach_back)?;
+        let (_, log) = rig.send_at(request, Line::Alone, (phase, TURNS), reach_back)?;
         let on = edges(&log, true);
         for ((sense, joint), off_at) in edges(&log, false) {
             let turned = on.iter().find(|(motor, _)| *motor == (1 - sense, joint));
@@ -201,12 +219,12 @@ fn start_on(rig: &mut Rig) -> Result<Measured, GpsimError> {
     Ok(measured)
 }
 
-fn stop_off(rig: &mut Rig) -> Result<Measured, GpsimError> {
+fn stop_off(rig: &mut Rig, line: Line) -> Result<Measured, GpsimError> {
     let mut measured = Measured::default();
     for phase in 0..PHASES {
         rig.rest()?;
         rig.ask(all_to(end_position(phase)))?;
-        let (begin, log) = rig.send_under_load(Request::Stop, (phase, PHASES), 0)?;
+        let (begin, log) = rig.send_at(Request::Stop, line, (phase, PHASES), 0)?;
         measured.add(last_of_seven(&log, false, begin)?);
     }
     Ok(measured)

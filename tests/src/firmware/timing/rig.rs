@@ -19,6 +19,8 @@ pub(super) struct Rig {
 }
 
 const SESSION: u8 = 1;
+/// More than the chip takes between a package and what it leads to.
+pub(super) const PATIENCE_CYCLES: u64 = 20_000;
 
 impl Rig {
     /// The chip with its power just on; its line rests, nothing is pressed.
@@ -106,10 +108,30 @@ impl Rig {
         self.take();
         self.chip.send(&bytes, self.cycle)?;
         let both = bytes.len() + rsapien_protocol::SYNCHRONIZATION_PACKAGE_LENGTH;
-        self.run_to(self.cycle + self.line_cycles(both + 2) + 3 * self.cycles_a_ms())?;
+        self.run_to(self.cycle + self.line_cycles(both + 2) + PATIENCE_CYCLES)?;
         let answer = answers(&self.take()).pop();
         let answer = answer.filter(|answer| answer.status == Status::Accepted);
-        answer.ok_or_else(|| GpsimError::Broken(format!("{request:?} is not accepted: {answer:?}")))
+        answer.ok_or_else(|| {
+            GpsimError::Broken(format!(
+                "{}: {request:?} is not accepted: {answer:?}",
+                self.image.hex.display()
+            ))
+        })
+    }
+
+    /// Makes sure that everything sent in its turn was executed.
+    pub(super) fn expect_all_executed(&mut self) -> Result<(), GpsimError> {
+        let hello = Request::Hello { lowest_version: 1, highest_version: 1, session: SESSION };
+        let report = self.ask(hello)?.report;
+        match report {
+            Report::Hello(report) if report.last_sequence == self.sequence => Ok(()),
+            other => {
+                let (image, sequence) = (self.image.hex.display(), self.sequence);
+                Err(GpsimError::Broken(format!(
+                    "{image}: executed up to {other:?}, not {sequence}"
+                )))
+            }
+        }
     }
 
     /// What the chip has counted.

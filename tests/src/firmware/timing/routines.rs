@@ -39,6 +39,10 @@ const UNLOCK: &str = "_port_unlock";
 /// Where the interrupts' vectors are, and what the return itself takes.
 const VECTORS: [(&str, u32); 2] = [("high", 0x08), ("low", 0x18)];
 const RETURN_CYCLES: u64 = 2;
+const PACKAGE_BYTES: usize = rsapien_protocol::ACTION_PACKAGE_LENGTH;
+const ANSWER_BYTES: usize = rsapien_protocol::SYNCHRONIZATION_PACKAGE_LENGTH;
+/// How many packages the line is told ahead.
+const PACKAGES_AHEAD: usize = 2;
 /// How long everything happens at once.
 const BUSY_MS: u64 = 1500;
 
@@ -65,6 +69,7 @@ pub(super) fn measure(image: &Image) -> Result<Routines, GpsimError> {
         routines.read(&log);
         // What the burst left is answered and done before the next one.
         rig.run_ms(100)?;
+        rig.expect_all_executed()?;
         rig.take();
     }
     Ok(routines)
@@ -142,21 +147,23 @@ impl Routines {
     }
 }
 
-/// Everything at once: packages without a pause that turn all seven joints every few ms or wait for
-/// their turn, answers to them, arms' switches and bumpers that never rest.
+/// Everything at once: packages that turn all seven joints every few ms, answers to them, arms' switches
+/// and bumpers that never rest. From 20 MHz on the packages come without a pause, below as the rules of
+/// the link have it: each when the one before can have been answered.
 pub(super) fn busy(rig: &mut Rig, ms: u64) -> Result<Vec<(u64, Happening)>, GpsimError> {
     let mut random = Pcg64::seed_from_u64(18);
     let tick = rig.cycles_a_ms();
     let end = rig.cycle + ms * tick;
+    let pause = if rig.image.clock_mhz >= 20 { 0 } else { rig.line_cycles(ANSWER_BYTES) };
     let mut line_free = rig.cycle;
     let mut log = Vec::new();
     while rig.cycle < end {
         // The line is kept full some packages ahead.
-        while line_free < rig.cycle + 2 * rig.line_cycles(18) {
+        while line_free < rig.cycle + rig.line_cycles(PACKAGES_AHEAD * PACKAGE_BYTES) {
             let request = busy_request(rig.image.address, &mut random);
             let bytes = rig.package(request);
             rig.chip.send(&bytes, line_free)?;
-            line_free = line_free.max(rig.cycle) + rig.line_cycles(bytes.len());
+            line_free = line_free.max(rig.cycle) + rig.line_cycles(bytes.len()) + pause;
         }
         rig.run_to(rig.cycle + random.random_range(tick / 5..tick))?;
         if rig.image.address == Address::Motion {

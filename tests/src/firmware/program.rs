@@ -94,8 +94,11 @@ pub(super) fn make(folder: &Path, arguments: &[String]) -> Result<(), (String, S
         return Ok(());
     }
     let told = String::from_utf8_lossy(&output.stderr);
-    let hint = "is a C compiler installed? (apt-get install gcc libc6-dev)";
-    Err((command, format!("{}\n{hint}", last_lines(&told, 20))))
+    let mut why = last_lines(&told, 20);
+    if told.contains("not found") {
+        why.push_str("\nis a C compiler installed? (apt-get install gcc libc6-dev)");
+    }
+    Err((command, why))
 }
 
 /// The path of a controller's program.

@@ -5,7 +5,7 @@ use rsapien_firmware_model::{Inputs, MiddleSwitches, ResetCause};
 use rsapien_protocol::{BumperMask, LineError};
 use std::fmt::Write as _;
 
-/// One event. Each but [`Flush`](flush) is answered with one record.
+/// One event. Each is answered with one record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Event {
     /// The receive interrupt with a byte.

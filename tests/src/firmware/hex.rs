@@ -459,3 +459,25 @@ impl Bench for HexBench {
 
     fn line_takes(&mut self, _bytes_a_tick: u8) {}
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rsapien_protocol::{ActionPackage, Request};
+
+    /// What the bench is told and what it does without telling the model must be told apart.
+    #[test]
+    fn a_pin_that_the_model_does_not_know_of_is_seen() {
+        for (pin, is_seen) in [(None, false), (Some("rb2"), true), (Some("ra0"), true)] {
+            let mut bench = HexBench::new(&Image::committed(Address::Motion), 7).unwrap();
+            if let Some(pin) = pin {
+                bench.chip.set(pin, false).unwrap();
+            }
+            bench.ticks(10, None).unwrap();
+            let package = ActionPackage { session: 0, sequence: 0, request: Request::State };
+            let line = package.encode(Address::Motion).to_vec();
+            let compared = bench.perform(Action::Line(line)).and_then(|()| bench.ticks(8, None));
+            assert_eq!(compared.is_err(), is_seen, "{pin:?}: {compared:?}");
+        }
+    }
+}

@@ -16,46 +16,43 @@ void crc_begin(void)
  * each of the byte's bits. Eight constants instead of a table: as quick as a table in program
  * memory is on a PIC18, and 512 bytes smaller.
  */
-void crc_add(uint8_t byte)
+void crc_add(void)
 {
-    uint8_t index = (uint8_t)(crc.low ^ byte);
-    uint8_t low = crc.high;
-    uint8_t high = 0;
-
-    if ((index & 0x01u) != 0u) {
-        low ^= 0x56u;
-        high ^= 0x79u;
+    crc.byte ^= crc.low;
+    crc.low = crc.high;
+    crc.high = 0;
+    if ((crc.byte & 0x01u) != 0u) {
+        crc.low ^= 0x56u;
+        crc.high ^= 0x79u;
     }
-    if ((index & 0x02u) != 0u) {
-        low ^= 0xACu;
-        high ^= 0xF2u;
+    if ((crc.byte & 0x02u) != 0u) {
+        crc.low ^= 0xACu;
+        crc.high ^= 0xF2u;
     }
-    if ((index & 0x04u) != 0u) {
-        low ^= 0x6Du;
-        high ^= 0xBCu;
+    if ((crc.byte & 0x04u) != 0u) {
+        crc.low ^= 0x6Du;
+        crc.high ^= 0xBCu;
     }
-    if ((index & 0x08u) != 0u) {
-        low ^= 0xEFu;
-        high ^= 0x21u;
+    if ((crc.byte & 0x08u) != 0u) {
+        crc.low ^= 0xEFu;
+        crc.high ^= 0x21u;
     }
-    if ((index & 0x10u) != 0u) {
-        low ^= 0xDEu;
-        high ^= 0x43u;
+    if ((crc.byte & 0x10u) != 0u) {
+        crc.low ^= 0xDEu;
+        crc.high ^= 0x43u;
     }
-    if ((index & 0x20u) != 0u) {
-        low ^= 0xBCu;
-        high ^= 0x87u;
+    if ((crc.byte & 0x20u) != 0u) {
+        crc.low ^= 0xBCu;
+        crc.high ^= 0x87u;
     }
-    if ((index & 0x40u) != 0u) {
-        low ^= 0x4Du;
-        high ^= 0x56u;
+    if ((crc.byte & 0x40u) != 0u) {
+        crc.low ^= 0x4Du;
+        crc.high ^= 0x56u;
     }
-    if ((index & 0x80u) != 0u) {
-        low ^= 0x9Au;
-        high ^= 0xACu;
+    if ((crc.byte & 0x80u) != 0u) {
+        crc.low ^= 0x9Au;
+        crc.high ^= 0xACu;
     }
-    crc.low = low;
-    crc.high = high;
 }
 
 uint8_t crc_take_bits(void)

@@ -12,6 +12,7 @@
 struct crc {
     uint8_t low;
     uint8_t high;
+    uint8_t byte; /* to be taken in next */
 };
 
 /* That of the package being received; who makes another one puts it back. Main routine only. */
@@ -19,8 +20,8 @@ extern struct crc crc;
 
 void crc_begin(void);
 
-/* Takes one more byte into `crc`. */
-void crc_add(uint8_t byte);
+/* Takes `crc.byte` in. */
+void crc_add(void);
 
 /* The next seven bits of a finished `crc`, as they go over the line: bits 0-6, 7-13, 14-15. */
 uint8_t crc_take_bits(void);

@@ -97,7 +97,8 @@ INLINE void take_header(void)
     }
     if (reception.byte == HEADER_FOR_ME) {
         crc_begin();
-        crc_add(reception.byte);
+        crc.byte = reception.byte;
+        crc_add();
         reception.content_index = 0;
         reception.content_used = 0;
         reception.state = RECEPTION_SYNCHRONIZATION;
@@ -108,13 +109,15 @@ INLINE void take_synchronization(void)
 {
     reception.top_bits = reception.byte;
     reception.group_index = 0;
-    crc_add(reception.byte);
+    crc.byte = reception.byte;
+    crc_add();
     reception.state = RECEPTION_DATA;
 }
 
 INLINE void take_data(void)
 {
-    crc_add(reception.byte);
+    crc.byte = reception.byte;
+    crc_add();
     if ((reception.top_bits & 0x01u) != 0u) {
         reception.byte |= 0x80u;
     }

@@ -8,6 +8,7 @@
 
 #define HEADER_TO_PC (0xE0u | (CONTROLLER_ADDRESS << 3) | PROTOCOL_VERSION)
 #define SYNCHRONIZATION_CLASS 0x80u
+#define FIRST_SYNCHRONIZATION 1u
 #define GROUP_LINE_LENGTH (GROUP_DATA_LENGTH + 1u)
 #define CHECK_PLACE (SYNCHRONIZATION_PACKAGE_LENGTH - CHECK_LENGTH)
 
@@ -52,41 +53,47 @@ bool controller_transmit_interrupt(void)
     return true;
 }
 
-static void put_content(void)
+/* Puts a whole group of the report on its places, its synchronization byte at `place`. */
+static void put_group(uint8_t place, uint8_t report_index)
 {
-    uint8_t index;
-    uint8_t place = PLACE_OF(REPORT_BEGIN);
-
-    transmission.bytes[PLACE_OF(0u)] = transmission.answer.session;
-    transmission.bytes[PLACE_OF(1u)] = transmission.answer.sequence;
-    transmission.bytes[PLACE_OF(2u)] = transmission.answer.kind;
-    transmission.bytes[PLACE_OF(3u)] = (uint8_t)transmission.answer.status;
-    for (index = 0; index < REPORT_LENGTH; index++) {
-        /* The places of the synchronization bytes are left free. */
-        if ((place == PLACE_OF(6u) - 1u) || (place == PLACE_OF(12u) - 1u)) {
-            place++;
-        }
-        transmission.bytes[place] = transmission.report[index];
-        place++;
-    }
-}
-
-/* Moves the top bits of a group into the synchronization byte at `place`. */
-static void put_synchronization(uint8_t place)
-{
-    uint8_t top_bits = 0;
+    uint8_t to = place;
+    uint8_t from = report_index;
+    uint8_t top_bits = SYNCHRONIZATION_CLASS;
     uint8_t bit = 0x01u;
-    uint8_t at = place;
 
     while (bit != (1u << GROUP_DATA_LENGTH)) {
-        at++;
-        if ((transmission.bytes[at] & 0x80u) != 0u) {
-            transmission.bytes[at] &= 0x7Fu;
+        uint8_t value = transmission.report[from];
+
+        if ((value & 0x80u) != 0u) {
+            value &= 0x7Fu;
             top_bits |= bit;
         }
+        from++;
+        to++;
+        transmission.bytes[to] = value;
         bit = (uint8_t)(bit << 1);
     }
-    transmission.bytes[place] = (uint8_t)(SYNCHRONIZATION_CLASS | top_bits);
+    transmission.bytes[place] = top_bits;
+}
+
+/* The same for one byte of the first group, which holds the answer as well. */
+#define PUT_FIRST(index, value)                                                                    \
+    do {                                                                                           \
+        transmission.bytes[PLACE_OF(index)] = (uint8_t)((uint8_t)(value) & 0x7Fu);                 \
+        if (((uint8_t)(value) & 0x80u) != 0u) {                                                    \
+            transmission.bytes[FIRST_SYNCHRONIZATION] |= (uint8_t)(1u << (index));                 \
+        }                                                                                          \
+    } while (false)
+
+static void put_first_group(void)
+{
+    transmission.bytes[FIRST_SYNCHRONIZATION] = SYNCHRONIZATION_CLASS;
+    PUT_FIRST(0u, transmission.answer.session);
+    PUT_FIRST(1u, transmission.answer.sequence);
+    PUT_FIRST(2u, transmission.answer.kind);
+    PUT_FIRST(3u, transmission.answer.status);
+    PUT_FIRST(4u, transmission.report[0]);
+    PUT_FIRST(5u, transmission.report[1]);
 }
 
 static void put_check(void)
@@ -97,7 +104,8 @@ static void put_check(void)
 
     crc_begin();
     for (place = 0; place < CHECK_PLACE; place++) {
-        crc_add(transmission.bytes[place]);
+        crc.byte = transmission.bytes[place];
+        crc_add();
     }
     transmission.bytes[CHECK_PLACE] = crc_take_bits();
     transmission.bytes[CHECK_PLACE + 1u] = crc_take_bits();
@@ -109,10 +117,10 @@ static void put_check(void)
 void transmission_begin(void)
 {
     transmission.bytes[0] = HEADER_TO_PC;
-    put_content();
-    put_synchronization(1u);
-    put_synchronization(1u + GROUP_LINE_LENGTH);
-    put_synchronization(1u + (2u * GROUP_LINE_LENGTH));
+    put_first_group();
+    put_group(FIRST_SYNCHRONIZATION + GROUP_LINE_LENGTH, GROUP_DATA_LENGTH - REPORT_BEGIN);
+    put_group(FIRST_SYNCHRONIZATION + (2u * GROUP_LINE_LENGTH),
+              (2u * GROUP_DATA_LENGTH) - REPORT_BEGIN);
     put_check();
     transmission.next = 0;
     port_transmit_begin();

@@ -18,38 +18,39 @@ void crc_begin(void)
  */
 void crc_add(void)
 {
-    crc.byte ^= crc.low;
+    uint8_t index = (uint8_t)(crc.low ^ crc.byte);
+
     crc.low = crc.high;
     crc.high = 0;
-    if ((crc.byte & 0x01u) != 0u) {
+    if ((index & 0x01u) != 0u) {
         crc.low ^= 0x56u;
         crc.high ^= 0x79u;
     }
-    if ((crc.byte & 0x02u) != 0u) {
+    if ((index & 0x02u) != 0u) {
         crc.low ^= 0xACu;
         crc.high ^= 0xF2u;
     }
-    if ((crc.byte & 0x04u) != 0u) {
+    if ((index & 0x04u) != 0u) {
         crc.low ^= 0x6Du;
         crc.high ^= 0xBCu;
     }
-    if ((crc.byte & 0x08u) != 0u) {
+    if ((index & 0x08u) != 0u) {
         crc.low ^= 0xEFu;
         crc.high ^= 0x21u;
     }
-    if ((crc.byte & 0x10u) != 0u) {
+    if ((index & 0x10u) != 0u) {
         crc.low ^= 0xDEu;
         crc.high ^= 0x43u;
     }
-    if ((crc.byte & 0x20u) != 0u) {
+    if ((index & 0x20u) != 0u) {
         crc.low ^= 0xBCu;
         crc.high ^= 0x87u;
     }
-    if ((crc.byte & 0x40u) != 0u) {
+    if ((index & 0x40u) != 0u) {
         crc.low ^= 0x4Du;
         crc.high ^= 0x56u;
     }
-    if ((crc.byte & 0x80u) != 0u) {
+    if ((index & 0x80u) != 0u) {
         crc.low ^= 0x9Au;
         crc.high ^= 0xACu;
     }

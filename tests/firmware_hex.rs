@@ -4,14 +4,15 @@
 //! Needs the feature `firmware-simulator`, and the bridge: `make -C firmware-pic/sim`. What is missing is
 //! a failure here, not a skip: a machine without gpsim leaves the feature away.
 
-use rsapien_protocol::Address;
-use rsapien_tests::firmware::bench::{Bench, BenchError};
+use rsapien_protocol::{ActionPackage, Address, LineError, Request};
+use rsapien_tests::firmware::bench::{Action, Bench, BenchError};
 use rsapien_tests::firmware::coverage::Coverage;
 use rsapien_tests::firmware::gpsim::Image;
 use rsapien_tests::firmware::hex::HexBench;
 use rsapien_tests::firmware::random::{Generator, Move};
-use rsapien_tests::firmware::scenario::Scenario;
+use rsapien_tests::firmware::scenario::{Scenario, is_rest};
 use rsapien_tests::firmware::timing;
+use rsapien_tests::firmware::vectors::{self, Brought};
 use rsapien_tests::{read, workspace};
 use std::time::Instant;
 
@@ -82,6 +83,53 @@ fn scenarios() {
         );
         if errors.is_empty() { Ok(()) } else { Err(errors.join("\n")) }
     });
+}
+
+#[test]
+fn vectors_of_reception() {
+    let is_overrun =
+        |(_, brought): &(u64, Brought)| matches!(brought, Brought::LineError(LineError::Overrun));
+    let mut played = 0;
+    for stream in vectors::streams() {
+        // Nothing makes the chip lose a byte at will.
+        if stream.events.iter().any(is_overrun) {
+            continue;
+        }
+        let mut bench = HexBench::new(&Image::committed(stream.address), 0).unwrap();
+        bench.ticks(2, None).unwrap();
+        let mut now_ms = stream.events.first().map_or(0, |(at_ms, _)| *at_ms);
+        for (at_ms, brought) in &stream.events {
+            let wait = u32::try_from(at_ms - now_ms).unwrap();
+            now_ms = *at_ms;
+            let action = match brought {
+                Brought::Bytes(bytes) => {
+                    bench
+                        .ticks(wait, Some(bytes).filter(|bytes| is_rest(bytes)).map(Vec::as_slice))
+                        .unwrap();
+                    Action::Line(bytes.clone())
+                }
+                Brought::LineError(error) => {
+                    bench.ticks(wait, None).unwrap();
+                    Action::LineError(*error)
+                }
+            };
+            bench.perform(action).unwrap();
+        }
+        bench.ticks(8, None).unwrap();
+        let counters = bench.world().reference.counters();
+        let [accepted, resets, crc_errors, framing_errors, ..] = stream.counts;
+        let counted =
+            [counters.accepted, counters.resets, counters.crc_errors, counters.framing_errors];
+        assert_eq!(counted, [accepted, resets, crc_errors, framing_errors], "{}", stream.name);
+        // The chip's own counts, in its answer.
+        let ask = ActionPackage { session: 0, sequence: 0, request: Request::Counters };
+        bench.perform(Action::Line(ask.encode(stream.address).to_vec())).unwrap();
+        bench.ticks(8, None).unwrap_or_else(|error| panic!("{}: {error}", stream.name));
+        assert!(bench.bytes_equal >= 25, "{}", stream.name);
+        played += 1;
+    }
+    println!("{played} streams of the vectors");
+    assert!(played >= 12);
 }
 
 #[test]

@@ -12,6 +12,8 @@
 /* An input may ask for so many ticks in all, so that each ends soon. */
 #define TICKS_MAX 8000u
 #define HEARTBEAT_MS 100u
+/* More than the dead-man can count. */
+#define LONG_SILENCE_MS 65600u
 #define OTHER_ADDRESS (3u - CONTROLLER_ADDRESS)
 
 enum event {
@@ -29,7 +31,7 @@ enum event {
     EVENT_OTHERS,       /* a package to the other controller */
     EVENT_INTERRUPTS,   /* what comes into the gaps of the next main routine */
     EVENT_MAIN,         /* one pass of the main routine alone */
-    EVENT_INTERRUPT,    /* timer or input change alone */
+    EVENT_INTERRUPT,    /* high bits: input change, timer, or once a long silence of the main routine */
     EVENT_RESET,        /* high bits: the cause */
     EVENT_COUNT
 };
@@ -41,6 +43,7 @@ struct input {
 
 static struct input input;
 static unsigned ticks_left;
+static unsigned silence_left_ms;
 
 static uint8_t next(void)
 {
@@ -253,6 +256,11 @@ static void handle(uint8_t event)
     case EVENT_INTERRUPT:
         if ((how & 1u) != 0) {
             bench_input_change_interrupt();
+        } else if (how == 8) {
+            while (silence_left_ms > 0) {
+                silence_left_ms--;
+                bench_timer_interrupt();
+            }
         } else if (ticks_left > 0) {
             ticks_left--;
             bench_timer_interrupt();
@@ -270,6 +278,7 @@ void run_events(const uint8_t *bytes, size_t length)
     input.bytes = bytes;
     input.length = length;
     ticks_left = TICKS_MAX;
+    silence_left_ms = LONG_SILENCE_MS;
     bench_power_on();
     while (input.length > 0) {
         handle(next());

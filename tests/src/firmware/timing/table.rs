@@ -201,23 +201,23 @@ pub fn other_images() -> Vec<(u8, u32)> {
 const INTRODUCTION: &str = "\
 # How fast the firmware is
 
-Measured in instruction cycles (four clocks each) in the simulator of the chips, which is exact to the \
+Measured in instruction cycles (four clocks each) in the simulator of the chips, which is exact to the
 cycle, by one command, which prints this page:
 
     cargo run -p rsapien-tests --release --features firmware-simulator --example firmware-timing
 
-It needs the simulator (`make -C firmware-pic/sim`) and builds images for other clocks by \
-`firmware-pic/toolchain`. The rows at 40 MHz and 57600 bit/s are those of the images that are flashed; a \
-test measures them again and compares. Not in these numbers: what a real crystal and a real supply take \
+It needs the simulator (`make -C firmware-pic/sim`) and builds images for other clocks by
+`firmware-pic/toolchain`. The rows at 40 MHz and 57600 bit/s are those of the images that are flashed; a
+test measures them again and compares. Not in these numbers: what a real crystal and a real supply take
 to start, and the electronics outside the chip.
 
 ## Motors
 
-Over all phases of the tick; the times count from the middle of the last stop bit. A package comes \
-alone, as the rules of the link have it; *in a crowd* it comes right behind another one, whose answer \
-goes out at that moment, with more bytes right behind it. The paper: a motion primitive \"as fast as \
-1 ms at 40 MHz\"; below 4 MHz more than 50 ms, and the robot no longer walks. At 4 MHz the line has \
-19200 bit/s, otherwise 57600. A motor's sense turns at the next tick, so its two outputs rest for what \
+Over all phases of the tick; the times count from the middle of the last stop bit. A package comes
+alone, as the rules of the link have it; *in a crowd* it comes right behind another one, whose answer
+goes out at that moment, with more bytes right behind it. The paper: a motion primitive \"as fast as
+1 ms at 40 MHz\"; below 4 MHz more than 50 ms, and the robot no longer walks. At 4 MHz the line has
+19200 bit/s, otherwise 57600. A motor's sense turns at the next tick, so its two outputs rest for what
 is left of the present one.
 
 ";
@@ -225,21 +225,21 @@ is left of the present one.
 const ABOUT_ROUTINES: &str = "
 ## Routines
 
-With everything at once: packages that turn all seven joints every few ms, answers, mid-arm switches \
-and bumpers that never rest; first with travel times of 100 ms, so that joints arrive all the time, then \
-with long ones. At 40 and 20 MHz the packages come without a pause, at 10 and 4 MHz each when the one \
-before can have been answered. A routine counts from its vector to its return. The receive \
-interrupt is never locked out but by itself; \"kept waiting\" is what it comes later than at its \
+With everything at once: packages that turn all seven joints every few ms, answers, mid-arm switches
+and bumpers that never rest; first with travel times of 100 ms, so that joints arrive all the time, then
+with long ones. At 40 and 20 MHz the packages come without a pause, at 10 and 4 MHz each when the one
+before can have been answered. A routine counts from its vector to its return. The receive
+interrupt is never locked out but by itself; \"kept waiting\" is what it comes later than at its
 earliest. A byte takes 173.6 µs at 57600 bit/s and 520.8 µs at 19200.
 ";
 
 const ABOUT_LOADS: &str = "
 ## Load, full line and cold start
 
-Load is the share of the time that is not spent in empty passes of the main routine. For the full line \
-STATE comes without a pause for two seconds; the answers, which are longer, fill the other direction. \
-The rules of the link never fill it so: a PC waits for each answer. \
-Errors are resets of reception, wrong checks, framing errors and overruns at the chip and broken answers \
-at the PC. From power-on the PC asks \
+Load is the share of the time that is not spent in empty passes of the main routine. For the full line
+STATE comes without a pause for two seconds; the answers, which are longer, fill the other direction.
+The rules of the link never fill it so: a PC waits for each answer.
+Errors are resets of reception, wrong checks, framing errors and overruns at the chip and broken answers
+at the PC. From power-on the PC asks
 again and again, with a pause of one byte.
 ";

@@ -47,5 +47,9 @@ mistake() {
     mistake "no dead time" joint.c \
         '& joints.motors.driven_last' '\& 0u' \
         motion timer_interrupt
+    mistake "a thirty-third step waits" queue.c \
+        'queue.count == QUEUE_LENGTH' 'queue.count > QUEUE_LENGTH' motion package
+    mistake "any speed is taken" camera.c \
+        'speed_deg_per_s < AXIS_SPEED_MAX_DEG_PER_S' 'speed_deg_per_s < 0xFFFFu' camera package
 } > "$OUT/proof-can-fail.txt"
 cat "$OUT/proof-can-fail.txt"

@@ -191,3 +191,30 @@ fn change_inputs(text: &mut String, old: Inputs, new: Inputs) {
         let _ = writeln!(text, "supply {}", if new.supply_low { "low" } else { "good" });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::firmware::bench::LockstepBench;
+    use crate::firmware::random::session;
+    use crate::firmware::scenario::Scenario;
+    use rsapien_protocol::Address;
+
+    /// What is kept of a session must bring about the very same events again.
+    #[test]
+    fn a_kept_session_replays_event_for_event() {
+        for address in Address::ALL {
+            for index in 0..20 {
+                let played = session(11, address, index, 3000);
+                let text =
+                    format!("controller {}\n{}", address.name(), to_scenario(&played.events));
+                let scenario = Scenario::parse("kept", &text).unwrap();
+                let mut bench = LockstepBench::new(address, 0);
+                scenario.play(&mut bench).unwrap();
+                // The bench begins anew by itself.
+                assert_eq!(bench.events[1..], played.events, "{} {index}", address.name());
+                assert!(bench.records.ends_with(&played.records), "{} {index}", address.name());
+            }
+        }
+    }
+}

@@ -68,8 +68,14 @@ impl Packages {
         let sequence = reference.last_sequence().wrapping_add(1);
         let mut package = ActionPackage { session: self.session, sequence, request };
         let mut address = self.address;
-        match random.random_range(0..9) {
-            8 => package.request = at_a_bound(random, address),
+        match random.random_range(0..12) {
+            9 => {
+                let content = no_parameter(self.session, sequence);
+                let header = HeaderByte { direction: Direction::ToRobot, address };
+                self.last = frame::encode::<12, 18>(header, &content).to_vec();
+                return self.last.clone();
+            }
+            8 | 10 | 11 => package.request = at_a_bound(random, address),
             0 => package.session = random.random(),
             1 => package.sequence = random.random(),
             2 => package.sequence = reference.last_sequence(),
@@ -230,6 +236,18 @@ fn dead_man(random: &mut impl Rng) -> Request {
         _ => random.random_range(400..=10_000),
     };
     Request::Configure(Parameter::DeadMan { timeout_ms })
+}
+
+/// CONFIGURE of the parameter behind the last joint's travel time, which there is not.
+fn no_parameter(session: u8, sequence: u8) -> [u8; 12] {
+    let [last_but_one, mut content] = [Joint::RightLeg, Joint::LeftLeg].map(|joint| {
+        let parameter = Parameter::TravelTime { joint, full_travel_ms: 1000 };
+        ActionPackage { session, sequence, request: Request::Configure(parameter) }.content()
+    });
+    for (byte, before) in content.iter_mut().zip(last_but_one) {
+        *byte = byte.wrapping_add(byte.wrapping_sub(before));
+    }
+    content
 }
 
 /// A request with an argument at the end of its range, inside or outside.

@@ -33,6 +33,8 @@ const BEFORE_LINE_AT: u64 = 30;
 const LINE_AT: u64 = 40;
 const BEHIND_LINE_AT: u64 = 52;
 const END_AT: u64 = 75;
+/// How long the chip takes to build an answer, nearly.
+const BUILT_IN: u64 = 35;
 /// The longest from power-on to the first tick, in ms: the EEPROM takes its time.
 const START_MS_MAX: u64 = 60;
 /// Bytes between the chip's memory and its pin: the one on the line and the one that waits.
@@ -331,6 +333,9 @@ impl HexBench {
         }
         self.bytes_equal += 1;
         let is_first = ByteClass::of(byte) == ByteClass::Header;
+        if is_first {
+            self.answer_began = at - self.byte_cycles;
+        }
         self.answer_bytes = if is_first { 1 } else { self.answer_bytes + 1 };
         self.world.hear(&[byte]);
         self.hand_out(at);
@@ -351,7 +356,11 @@ impl HexBench {
             let transmitted = self.world.reference.apply(event, &mut unseen);
             self.world.coverage.see(event, &self.world.reference, &transmitted);
             if transmitted.iter().any(|byte| ByteClass::of(*byte) == ByteClass::Header) {
-                self.answer_began = at + self.in_flight.len() as u64 * self.byte_cycles;
+                // Until its first byte is heard: behind what is on its way, or when it has been built.
+                self.answer_began = match self.in_flight.len() as u64 {
+                    0 => at + self.tick_cycles * BUILT_IN / 100,
+                    before => at + before * self.byte_cycles,
+                };
             }
             self.in_flight.extend(transmitted);
         }

@@ -85,9 +85,9 @@ impl Servos {
             "rc1" => 1,
             _ => return,
         };
+        self.seen[axis] = self.tick;
         if level {
             self.rising[axis] = Some((self.tick, at));
-            self.seen[axis] = self.tick;
         } else if let Some((tick, risen)) = self.rising[axis].take() {
             self.pulses.push(Pulse { axis, tick, cycles: at - risen });
         }
@@ -95,6 +95,17 @@ impl Servos {
 
     fn between(&self, first: u64, last: u64) -> impl Iterator<Item = &Commanded> {
         self.commanded.iter().filter(move |commanded| (first..=last).contains(&commanded.tick))
+    }
+
+    /// Whether a pulse that begins behind `tick` ends when Timer1 is 0: there alone gpsim's compare unit
+    /// sees no match, and the pulse goes on to the next frame's end. The chip's unit sees it.
+    fn ends_at_zero(&self, tick: u64, centideg: i16) -> bool {
+        const LEAD_TENTHS_US: i64 = 7_500;
+        // The timer counts cycles from the start, with which the ticks began.
+        let counts = |tenths_us: i64| tenths_us * self.cycles_a_ms.cast_signed() / 10_000;
+        let begins = tick.cast_signed() * self.cycles_a_ms.cast_signed() + counts(LEAD_TENTHS_US);
+        let ends = begins + counts(NEUTRAL_US * CENTIDEG_A_US + i64::from(centideg));
+        ends.rem_euclid(1 << 16) == 0
     }
 
     /// Compares the pulses that ended since, and whether there are any. Gives how many were equal.
@@ -120,6 +131,9 @@ impl Servos {
                 .map(|commanded| commanded.centideg[axis])
                 .collect();
             let is_near = |at: &i16| (i64::from(*at) - centideg).abs() <= TOLERANCE_CENTIDEG;
+            if near.iter().any(|at| self.ends_at_zero(tick, *at)) {
+                continue;
+            }
             if !near.iter().any(is_near) {
                 return told(&format!("the model was at {near:?}"));
             }

@@ -6,8 +6,8 @@ use crate::firmware::scenario::is_rest;
 use rsapien_protocol::SYNCHRONIZATION_PACKAGE_LENGTH;
 
 /// Where an owed answer must not begin, in hundredths of a tick, since the tick might be told in it or not.
-const OWED_FROM: u64 = 4;
-const OWED_TO: u64 = 78;
+const OWED_FROM: u64 = 10;
+const OWED_TO: u64 = 50;
 /// Bytes of an answer, and how many of them are out when the next answer can begin.
 const ANSWER_BYTES: u64 = SYNCHRONIZATION_PACKAGE_LENGTH as u64;
 const OWED_BYTES: u64 = ANSWER_BYTES - IN_FLIGHT as u64;
@@ -40,7 +40,7 @@ impl HexBench {
         if self.in_flight.is_empty() {
             return true;
         }
-        let apart = self.tick_cycles / 4;
+        let apart = self.tick_cycles / 2;
         let free = self.answer_began + OWED_BYTES * self.byte_cycles;
         // Behind the answer that is on its way another one may wait already.
         let free_again = free + ANSWER_BYTES * self.byte_cycles;

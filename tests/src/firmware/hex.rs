@@ -81,6 +81,8 @@ pub struct HexBench {
     /// Where the answer on its way began, and how many of its bytes are out.
     answer_began: u64,
     answer_bytes: u64,
+    /// A package has come while an answer was on its way, so that another may wait behind it.
+    another_is_owed: bool,
     /// The outputs as they stand on the chip's pins.
     motors: [u8; 2],
     servos: super::servos::Servos,
@@ -115,6 +117,7 @@ impl HexBench {
             in_flight: VecDeque::new(),
             answer_began: 0,
             answer_bytes: 0,
+            another_is_owed: false,
             motors: [0, 0],
             servos: super::servos::Servos::new(image.cycles_a_ms()),
             bytes_equal: 0,

@@ -47,6 +47,8 @@ impl HexBench {
         let fits = |at: u64| (OWED_FROM..OWED_TO).contains(&self.hundredths(at));
         if end + apart < free {
             fits(free)
+        } else if !self.another_is_owed {
+            end > free + apart
         } else if end > free + apart && end + apart < free_again {
             fits(free_again)
         } else {
@@ -64,6 +66,9 @@ impl HexBench {
             (tick_begins + self.tick_cycles * (LINE_AT - 1) / 100).saturating_sub(length)
         };
         let begin = self.begin_of_line(earliest.max(self.cycle), bytes);
+        let free = self.answer_began + OWED_BYTES * self.byte_cycles;
+        self.another_is_owed =
+            !self.in_flight.is_empty() && (self.another_is_owed || begin + length < free);
         self.chip.send(bytes, begin)?;
         self.sent.extend(bytes.iter().map(|byte| Sent::Byte(*byte)));
         self.line_free_at = begin + length;

@@ -31,10 +31,6 @@ void bumpers_test(uint8_t pins)
     uint8_t bit = 0x01u;
     uint8_t index;
 
-    /* Nearly always nothing has changed, and nothing was about to. */
-    if ((changed | bumpers.unsettled) == 0u) {
-        return;
-    }
     bumpers.unsettled = changed;
     for (index = 0; index < BUMPER_COUNT; index++) {
         if ((changed & bit) == 0u) {

@@ -66,13 +66,15 @@ static bool is_aim_valid(void)
  * argument, or to be executed. */
 INLINE enum status analyse_request(void)
 {
+#ifdef RSAPIEN_MOTION
+    /* Looked at first: motors wait for it. */
+    if (CONTENT[ACTION_KIND] == (uint8_t)KIND_STEP) {
+        return (ENDS_AT(STEP_END) && is_step_valid()) ? STATUS_TO_BE_EXECUTED
+                                                      : STATUS_BAD_ARGUMENT;
+    }
+#endif
     switch (CONTENT[ACTION_KIND]) {
 #ifdef RSAPIEN_MOTION
-    case KIND_STEP:
-        if (!ENDS_AT(STEP_END) || !is_step_valid()) {
-            return STATUS_BAD_ARGUMENT;
-        }
-        break;
     case KIND_INIT:
 #else
     case KIND_AIM:

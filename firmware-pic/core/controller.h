@@ -4,12 +4,12 @@
  *
  *     controller_reset(STOP_CAUSE_POWER_ON, boot_number_in_eeprom);
  *     for (;;) {
- *         controller_main_routine(bumpers_pressed, supply_is_low);
+ *         controller_main_routine();
  *     }
  *
  * and from the interrupts, by priority:
  *
- *     high  controller_receive_interrupt(byte), controller_receive_error(error)
+ *     high  controller_receive_interrupt(), controller_receive_error(error)
  *     low   controller_timer_interrupt(), every ms; then
  *           controller_input_change_interrupt(switches_closed), at each change and each ms
  *     low   controller_transmit_interrupt(), whenever the UART can take a byte
@@ -62,7 +62,8 @@ enum line_error {
 void controller_reset(enum stop_cause cause, uint8_t eeprom_boot);
 uint8_t controller_boot(void);
 
-void controller_receive_interrupt(uint8_t byte);
+/* The UART has received the byte that the port has put into `reception_ring.arrived`. */
+void controller_receive_interrupt(void);
 void controller_receive_error(enum line_error error);
 
 /* Whether there is a byte to send, which is then in `transmission.byte`; if not, the interrupt
@@ -82,11 +83,9 @@ enum mode controller_mode(void);
 /* The mid-arm switches are closed as the bits SWITCH_LEFT and SWITCH_RIGHT say. */
 void controller_input_change_interrupt(uint8_t switches_closed);
 
-/* One pass of the main routine. `bumpers_pressed`: bits 0 to 5, not debounced. */
-void controller_main_routine(uint8_t bumpers_pressed, bool supply_is_low);
-#else
+#endif
+
 /* One pass of the main routine. */
 void controller_main_routine(void);
-#endif
 
 #endif

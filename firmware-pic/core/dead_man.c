@@ -2,7 +2,6 @@
 #include "dead_man.h"
 
 #include "constants.h"
-#include "port.h"
 
 struct dead_man dead_man;
 
@@ -10,12 +9,6 @@ void dead_man_reset(void)
 {
     dead_man.timeout_ms = DEAD_MAN_MS_DEFAULT;
     dead_man.silence_ms = 0;
+    dead_man.heard = false;
     dead_man.trips = 0;
-}
-
-void dead_man_package_received(void)
-{
-    port_lock();
-    dead_man.silence_ms = 0;
-    port_unlock();
 }

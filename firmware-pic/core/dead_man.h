@@ -21,7 +21,8 @@
 
 struct dead_man {
     uint16_t timeout_ms; /* 0: off; set by CONFIGURE, locked */
-    uint16_t silence_ms; /* at most 65535 */
+    uint16_t silence_ms; /* at most 65535; the timer routine's alone */
+    volatile bool heard; /* a package came since the last tick */
     uint16_t trips;
 };
 
@@ -32,6 +33,10 @@ void dead_man_reset(void);
 /* Timer routine. */
 INLINE void dead_man_tick(void)
 {
+    if (dead_man.heard) {
+        dead_man.heard = false;
+        dead_man.silence_ms = 0;
+    }
     dead_man.silence_ms++;
     if (dead_man.silence_ms == 0u) {
         dead_man.silence_ms = 0xFFFFu;
@@ -45,7 +50,11 @@ INLINE bool dead_man_is_due(void)
     return (dead_man.silence_ms >= dead_man.timeout_ms) && (dead_man.timeout_ms != 0u);
 }
 
-/* Main routine. */
-void dead_man_package_received(void);
+/* Main routine: the silence is over. The timer routine begins to count anew, so that nothing needs
+ * to be locked for it. */
+INLINE void dead_man_package_received(void)
+{
+    dead_man.heard = true;
+}
 
 #endif

@@ -186,19 +186,21 @@ void joints_drive_changed_pins(void)
 /* Switches the motors on that were started. One whose sense turns rests until the next tick. */
 static void joints_start(void)
 {
-    uint8_t others = (uint8_t) ~(joints.motors.start_first | joints.motors.start_last);
     uint8_t turning = (uint8_t)((joints.motors.start_first & joints.motors.driven_last) |
-                        (joints.motors.start_last & joints.motors.driven_first));
-    joints.motors.towards_first &= others;
+                                (joints.motors.start_last & joints.motors.driven_first));
+
+    joints.motors.dead_time &= (uint8_t)~joints.motors.start_first;
+    joints.motors.dead_time &= (uint8_t)~joints.motors.start_last;
+    joints.motors.towards_first &= (uint8_t)~joints.motors.start_last;
     joints.motors.towards_first |= joints.motors.start_first;
-    joints.motors.towards_last &= others;
+    joints.motors.towards_last &= (uint8_t)~joints.motors.start_first;
     joints.motors.towards_last |= joints.motors.start_last;
-    joints.motors.dead_time &= others;
-    joints.motors.dead_time |= turning;
-    turning = (uint8_t)~turning;
-    joints.motors.start_first &= turning;
+    if (turning != 0u) {
+        joints.motors.dead_time |= turning;
+        joints.motors.start_first &= (uint8_t)~turning;
+        joints.motors.start_last &= (uint8_t)~turning;
+    }
     joints.motors.driven_first |= joints.motors.start_first;
-    joints.motors.start_last &= turning;
     joints.motors.driven_last |= joints.motors.start_last;
     joints.motors.start_first = 0;
     joints.motors.start_last = 0;
@@ -213,6 +215,9 @@ void joints_advance(void)
     joints.motors.dead_time = 0;
     joints.motors.driven_first = joints.motors.towards_first;
     joints.motors.driven_last = joints.motors.towards_last;
+    if (driven == 0u) {
+        return;
+    }
     if (HAS(driven, 0)) {
         advance_0();
     }

@@ -107,16 +107,17 @@ INLINE void NAME(send)(void)
 
     if ((target != 0u) && (target != DRIVE.target)) {
         DRIVE.target = target;
-        if (target == POSE_OF(POSITION_FIRST)) {
+        /* By single bits: first is 1, middle 2, last 3. */
+        if ((target & POSE_OF(POSITION_FIRST)) == 0u) {
+            NAME(go_to_middle)();
+        } else if ((target & POSE_OF(POSITION_MIDDLE)) == 0u) {
             DRIVE.state = JOINT_STATE_TRAVELLING;
             NAME(reckon_way_to_first)();
             joints.motors.start_first |= BIT;
-        } else if (target == POSE_OF(POSITION_LAST)) {
+        } else {
             DRIVE.state = JOINT_STATE_TRAVELLING;
             NAME(reckon_way_to_last)();
             joints.motors.start_last |= BIT;
-        } else {
-            NAME(go_to_middle)();
         }
     }
 }

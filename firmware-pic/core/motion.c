@@ -31,7 +31,6 @@ void controller_reset(enum stop_cause cause, uint8_t eeprom_boot)
     motion.step_remaining_ms = 0;
     motion.step_ending_bumpers = 0;
     motion.steps_ended = 0;
-    motion.supply_is_low = false;
 }
 
 enum mode controller_mode(void)
@@ -205,7 +204,7 @@ void controller_report(void)
     REPORT_PUT_WORD(REPORT_STEPS_ENDED, motion.steps_ended);
     transmission.report[REPORT_CAUSE] = (uint8_t)communication.cause;
     port_unlock();
-    if (motion.supply_is_low) {
+    if (port_supply_is_low()) {
         transmission.report[REPORT_MOTORS] |= MOTORS_SUPPLY_LOW;
     }
     transmission.report[REPORT_PRESSES] = PRESSES_OF(0u);
@@ -215,9 +214,14 @@ void controller_report(void)
     transmission.report[REPORT_ERRORS] = reception.errors;
 }
 
-static void test_bumpers(uint8_t pins)
+static void test_bumpers(void)
 {
-    bumpers_test(pins);
+    uint8_t pins = port_bumpers();
+
+    /* Nearly always there is nothing to test: no change, and none that was about to be believed. */
+    if (((pins ^ bumpers.pressed) | bumpers.unsettled) != 0u) {
+        bumpers_test(pins);
+    }
     if (bumpers.pressed != 0u) {
         port_lock();
         if ((motion.mode == MODE_EXECUTING) &&
@@ -229,12 +233,11 @@ static void test_bumpers(uint8_t pins)
     }
 }
 
-void controller_main_routine(uint8_t bumpers_pressed, bool supply_is_low)
+void controller_main_routine(void)
 {
-    motion.supply_is_low = supply_is_low;
     communication_pass();
     if (bumpers.due) {
         bumpers.due = false;
-        test_bumpers(bumpers_pressed);
+        test_bumpers();
     }
 }

@@ -36,7 +36,6 @@ struct motion {
     uint16_t step_remaining_ms;  /* a step runs exactly in mode executing */
     uint8_t step_ending_bumpers; /* of the running step */
     uint16_t steps_ended;
-    bool supply_is_low;
 };
 
 extern struct motion motion;

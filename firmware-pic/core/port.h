@@ -6,6 +6,7 @@
 #ifndef RSAPIEN_PORT_H
 #define RSAPIEN_PORT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* The main routine enters or leaves a part that the timer, input change and transmit interrupts
@@ -24,6 +25,12 @@ void port_watchdog_clear(void);
 /* Puts the outputs of all seven motors on the pins, bit j for joint j. No motor is in both
  * words; one in neither is off. Called by interrupts and, locked, by the main routine. */
 void port_motors(uint8_t towards_first, uint8_t towards_last);
+
+/* The bumpers that are pressed now, bits 0 to 5, not debounced: asked once a tick. */
+uint8_t port_bumpers(void);
+
+/* Whether the supply is below 5 V: asked for a report. */
+bool port_supply_is_low(void);
 #endif
 
 #endif

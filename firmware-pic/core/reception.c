@@ -24,6 +24,11 @@ struct reception reception;
 
 void reception_reset(void)
 {
+    uint8_t place;
+
+    for (place = 0; place < RECEIVE_RING_LENGTH; place++) {
+        reception_ring.sorts[place] = SORT_BYTE;
+    }
     reception_ring.put = 0;
     reception_ring.taken = 0;
     reception_ring.overflowed = false;
@@ -50,13 +55,10 @@ INLINE bool ring_has_a_place(void)
     return true;
 }
 
-void controller_receive_interrupt(uint8_t byte)
+void controller_receive_interrupt(void)
 {
     if (ring_has_a_place()) {
-        uint8_t place = (uint8_t)(reception_ring.put & RING_MASK);
-
-        reception_ring.bytes[place] = byte;
-        reception_ring.sorts[place] = SORT_BYTE;
+        reception_ring.bytes[reception_ring.put & RING_MASK] = reception_ring.arrived;
         reception_ring.put++;
     }
 }
@@ -215,6 +217,7 @@ bool reception_next_package(void)
         reception.byte = reception_ring.bytes[place];
         reception_ring.taken++;
         if (sort != SORT_BYTE) {
+            reception_ring.sorts[place] = SORT_BYTE;
             line_error(sort);
         } else if (take_byte()) {
             return true;

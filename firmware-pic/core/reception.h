@@ -32,6 +32,7 @@ enum reception_state {
 /* The ring. `put` and `taken` run on modulo 256; `put` and `overflowed` are set by the
  * interrupt, `taken` by the main routine, which alone clears `overflowed`. */
 struct reception_ring {
+    uint8_t arrived; /* received now; the receive interrupt's alone */
     uint8_t bytes[RECEIVE_RING_LENGTH];
     uint8_t sorts[RECEIVE_RING_LENGTH]; /* 0: a byte; else an enum line_error + 1 */
     volatile uint8_t put;

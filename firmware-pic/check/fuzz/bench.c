@@ -72,7 +72,7 @@ static void gap(void)
         bench_transmit(1u + (what >> 3));
         break;
     case 4:
-        controller_receive_interrupt(what);
+        bench_receive(what);
         break;
     case 5:
         controller_receive_error((what & 8u) != 0 ? LINE_ERROR_OVERRUN : LINE_ERROR_FRAMING);
@@ -118,6 +118,16 @@ void port_motors(uint8_t towards_first, uint8_t towards_last)
     CHECK((towards_first & joints.motors.driven_last) == 0);
     CHECK((towards_last & joints.motors.driven_first) == 0);
     CHECK(!in_main_routine || locked);
+}
+
+uint8_t port_bumpers(void)
+{
+    return bench.bumpers;
+}
+
+bool port_supply_is_low(void)
+{
+    return bench.supply_low;
 }
 #endif
 
@@ -173,15 +183,17 @@ void bench_input_change_interrupt(void)
 #endif
 }
 
+void bench_receive(uint8_t byte)
+{
+    reception_ring.arrived = byte;
+    controller_receive_interrupt();
+}
+
 void bench_main_routine(void)
 {
     in_main_routine = true;
     next_gap = 0;
-#ifdef RSAPIEN_MOTION
-    controller_main_routine(bench.bumpers, bench.supply_low);
-#else
     controller_main_routine();
-#endif
     in_main_routine = false;
     memset(bench.gaps, 0, sizeof bench.gaps);
     CHECK(!locked);

@@ -42,6 +42,7 @@ void bench_tick(void);
 void bench_timer_interrupt(void);
 void bench_input_change_interrupt(void);
 void bench_main_routine(void);
+void bench_receive(uint8_t byte);
 
 /* The UART can take `count` bytes. Each complete answer is read and checked. */
 void bench_transmit(unsigned count);

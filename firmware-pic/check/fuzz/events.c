@@ -90,7 +90,7 @@ static unsigned receive(const uint8_t bytes[LINE_ACTION_LENGTH])
     before = reception.accepted;
     for (index = 0; index < LINE_ACTION_LENGTH; index++) {
         CHECK(reception.accepted == before);
-        controller_receive_interrupt(bytes[index]);
+        bench_receive(bytes[index]);
         bench_main_routine();
     }
     return (uint16_t)(reception.accepted - before);
@@ -202,7 +202,7 @@ static void handle(uint8_t event)
     switch (event % EVENT_COUNT) {
     case EVENT_NOISE:
         for (index = 0; index <= how; index++) {
-            controller_receive_interrupt(next());
+            bench_receive(next());
         }
         break;
     case EVENT_ERROR:

@@ -75,19 +75,18 @@ static bool interruptible;
 static void anything_of_low_interrupts(void)
 {
     dead_man.silence_ms = nondet_uint16();
+    dead_man.heard = nondet_bool();
     dead_man.trips = nondet_uint16();
     reception.silence_ms = nondet_uint8();
     communication.cause = nondet_unsigned();
 #ifdef RSAPIEN_MOTION
     const struct joints joints_before = joints;
-    const bool supply_is_low = motion.supply_is_low;
     const uint8_t taken = nondet_uint8();
     uint8_t joint;
 
     bumpers.due = nondet_bool();
     step = nondet_step();
     motion = nondet_motion();
-    motion.supply_is_low = supply_is_low;
     /* They take steps out, or all of them. */
     __ESBMC_assume(taken <= queue.count);
     queue.first = (uint8_t)((queue.first + taken) % QUEUE_LENGTH);
@@ -157,6 +156,16 @@ void port_motors(uint8_t towards_first, uint8_t towards_last)
     assert((towards_first & joints.motors.driven_last) == 0);
     assert((towards_last & joints.motors.driven_first) == 0);
 }
+
+uint8_t port_bumpers(void)
+{
+    return (uint8_t)(nondet_uint8() & ((1u << BUMPER_COUNT) - 1u));
+}
+
+bool port_supply_is_low(void)
+{
+    return nondet_bool();
+}
 #endif
 
 static void anything_allowed(void)
@@ -206,7 +215,8 @@ void theorem_receive_interrupt(void)
     before = (uint8_t)(reception_ring.put - reception_ring.taken);
     overflowed = reception_ring.overflowed;
     if (nondet_bool()) {
-        controller_receive_interrupt(byte);
+        reception_ring.arrived = byte;
+        controller_receive_interrupt();
     } else {
         controller_receive_error(nondet_bool() ? LINE_ERROR_FRAMING : LINE_ERROR_OVERRUN);
     }
@@ -401,7 +411,7 @@ void theorem_bumpers(void)
 {
     anything_allowed();
     interruptible = true;
-    test_bumpers(nondet_uint8() & ((1u << BUMPER_COUNT) - 1u));
+    test_bumpers();
     assert(!locked);
     assert_controller();
 }

@@ -4,6 +4,7 @@
 #include <assert.h>
 
 #include "port.h"
+#include "reception.h"
 
 #ifdef RSAPIEN_MOTION
 #define WATCHDOG_MS MOTION_WATCHDOG_MS
@@ -42,6 +43,16 @@ void port_motors(uint8_t towards_first, uint8_t towards_last)
     host_chip.motors_towards_first = towards_first;
     host_chip.motors_towards_last = towards_last;
 }
+
+uint8_t port_bumpers(void)
+{
+    return host_chip.pins.bumpers;
+}
+
+bool port_supply_is_low(void)
+{
+    return host_chip.pins.supply_low;
+}
 #endif
 
 void host_power_on(uint8_t eeprom_boot)
@@ -56,6 +67,12 @@ void host_reset(enum stop_cause cause)
 
     host_chip = (struct host_chip){0};
     controller_reset(cause, eeprom_boot);
+}
+
+void host_receive_interrupt(uint8_t byte)
+{
+    reception_ring.arrived = byte;
+    controller_receive_interrupt();
 }
 
 void host_timer_interrupt(void)
@@ -82,12 +99,8 @@ void host_main_routine(const struct host_pins *pins)
     if (host_chip.hung) {
         return;
     }
-#ifdef RSAPIEN_MOTION
-    controller_main_routine(pins->bumpers, pins->supply_low);
-#else
-    (void)pins;
+    host_chip.pins = *pins;
     controller_main_routine();
-#endif
 }
 
 void host_tick(const struct host_pins *pins)

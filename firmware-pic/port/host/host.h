@@ -4,7 +4,7 @@
  * the functions of core/controller.h and by these:
  *
  *     host_power_on(0);
- *     controller_receive_interrupt(byte);
+ *     host_receive_interrupt(byte);
  *     host_tick(pins);
  *     while (controller_transmit_interrupt()) { use(transmission.byte); }
  */
@@ -28,6 +28,7 @@ struct host_chip {
     uint8_t motors_towards_first; /* the outputs, bit j for joint j */
     uint8_t motors_towards_last;
     uint8_t watchdog_ms; /* ticks since the main routine cleared the watchdog */
+    struct host_pins pins;       /* as in the last pass of the main routine */
     bool hung;           /* the main routine no longer runs */
     bool locked;
 };
@@ -38,6 +39,8 @@ extern struct host_chip host_chip;
 void host_power_on(uint8_t eeprom_boot);
 
 void host_reset(enum stop_cause cause);
+
+void host_receive_interrupt(uint8_t byte);
 
 /* The timer interrupt, with the watchdog, which counts ticks of its nominal time. */
 void host_timer_interrupt(void);

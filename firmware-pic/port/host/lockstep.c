@@ -126,7 +126,7 @@ static void handle(int event)
         fflush(stdout);
         return;
     case EVENT_RECEIVE:
-        controller_receive_interrupt(argument());
+        host_receive_interrupt(argument());
         break;
     case EVENT_ERROR:
         controller_receive_error((enum line_error)(argument() & 1u));

@@ -8,6 +8,7 @@
 #include "inline.h"
 #include "pins.h"
 #include "port.h"
+#include "reception.h"
 #include "sfr.h"
 #include "transmission.h"
 
@@ -50,7 +51,8 @@ void interrupt_receive(void) INTERRUPT(INTERRUPT_HIGH)
         (void)RCREG;
         controller_receive_error(LINE_ERROR_FRAMING);
     } else {
-        controller_receive_interrupt(RCREG);
+        reception_ring.arrived = RCREG;
+        controller_receive_interrupt();
     }
     if ((RCSTA & RCSTA_OERR) != 0) {
         RCSTA &= (uint8_t)~RCSTA_CREN;

@@ -5,6 +5,7 @@
 #include "interrupts.h"
 #include "led.h"
 #include "pins.h"
+#include "port.h"
 #include "reset_cause.h"
 #include "sfr.h"
 
@@ -16,22 +17,31 @@ _Static_assert((PIN_BUMPER_0 == 0x01) && (PIN_BUMPER_1 == 0x02) && (PIN_BUMPER_2
 #define BUMPER_4 0x10u
 #define BUMPER_5 0x20u
 
+uint8_t port_bumpers(void)
+{
+    uint8_t pressed = (uint8_t)~PORTB & FOOT_BUMPERS;
+
+    if ((PORTA & PIN_BUMPER_4) == 0) {
+        pressed |= BUMPER_4;
+    }
+    if ((PORTA & PIN_BUMPER_5) == 0) {
+        pressed |= BUMPER_5;
+    }
+    return pressed;
+}
+
+bool port_supply_is_low(void)
+{
+    return (PORTA & PIN_SUPPLY_GOOD) == 0;
+}
+
 int main(void)
 {
     controller_reset(reset_cause(), eeprom_read(EEPROM_BOOT));
     eeprom_write(EEPROM_BOOT, controller_boot());
     interrupts_begin();
     for (;;) {
-        uint8_t bumpers_pressed = (uint8_t)~PORTB & FOOT_BUMPERS;
-        uint8_t port_a = PORTA;
-
-        if ((port_a & PIN_BUMPER_4) == 0) {
-            bumpers_pressed |= BUMPER_4;
-        }
-        if ((port_a & PIN_BUMPER_5) == 0) {
-            bumpers_pressed |= BUMPER_5;
-        }
-        controller_main_routine(bumpers_pressed, (port_a & PIN_SUPPLY_GOOD) == 0);
+        controller_main_routine();
         led_pass();
     }
 }

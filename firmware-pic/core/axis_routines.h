@@ -38,16 +38,13 @@ static void NAME(stop)(void)
     DRIVE.target_centideg = DRIVE.position_centideg;
 }
 
-/* Timer routine: 1 ms has passed. */
+/* Timer routine, for an axis that is moving: 1 ms has passed. */
 static void NAME(advance)(void)
 {
     uint8_t step_centideg = camera.step_centideg;
     uint16_t distance_centideg;
     bool is_upwards = DRIVE.target_centideg > DRIVE.position_centideg;
 
-    if (!NAME(is_moving)()) {
-        return;
-    }
     DRIVE.tenths += camera.step_tenths;
     if (DRIVE.tenths >= 10u) {
         DRIVE.tenths = (uint8_t)(DRIVE.tenths - 10u);

@@ -97,8 +97,12 @@ static void monitor_global_position(void)
 void controller_timer_interrupt(void)
 {
     communication_tick();
-    advance_pan();
-    advance_tilt();
+    if (is_moving_pan()) {
+        advance_pan();
+    }
+    if (is_moving_tilt()) {
+        advance_tilt();
+    }
     monitor_global_position();
 }
 

@@ -29,23 +29,9 @@ void transmission_owe(void)
     transmission.owed = true;
 }
 
-INLINE bool is_idle(void)
-{
-    return transmission.next >= SYNCHRONIZATION_PACKAGE_LENGTH;
-}
-
-bool transmission_take_owed(void)
-{
-    if (!transmission.owed || !is_idle()) {
-        return false;
-    }
-    transmission.owed = false;
-    return true;
-}
-
 bool controller_transmit_interrupt(void)
 {
-    if (is_idle()) {
+    if (transmission_is_idle()) {
         return false;
     }
     transmission.byte = transmission.bytes[transmission.next];

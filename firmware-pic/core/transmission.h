@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 #include "constants.h"
+#include "inline.h"
 #include "protocol.h"
 
 /* What an answer echoes, and the status. */
@@ -44,8 +45,20 @@ void transmission_reset(void);
 /* Main routine: the answer in `transmission.answer` is owed. */
 void transmission_owe(void);
 
+INLINE bool transmission_is_idle(void)
+{
+    return transmission.next >= SYNCHRONIZATION_PACKAGE_LENGTH;
+}
+
 /* Main routine: whether an answer is owed and can be initiated now; then it is owed no more. */
-bool transmission_take_owed(void);
+INLINE bool transmission_take_owed(void)
+{
+    if (!transmission.owed || !transmission_is_idle()) {
+        return false;
+    }
+    transmission.owed = false;
+    return true;
+}
 
 /* Main routine: sends `transmission.answer` with `transmission.report`. */
 void transmission_begin(void);

@@ -41,7 +41,7 @@ mistake() {
         motion reception
     mistake "header ignored within a package" reception.c \
         'take_header();' '{}' motion reception
-    mistake "one byte too many is sent" transmission.c \
+    mistake "one byte too many is sent" transmission.h \
         'next >= SYNCHRONIZATION_PACKAGE_LENGTH' 'next > SYNCHRONIZATION_PACKAGE_LENGTH' \
         camera transmit_interrupt
     mistake "no dead time" joint.c \

@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #include "controller.h"
+#include "inline.h"
 #include "interrupts.h"
 #include "pins.h"
 #include "sfr.h"
@@ -30,7 +31,7 @@ struct led {
 static struct led led;
 
 /* The bits of the time that are 0 while the LED is on. */
-static uint8_t dark_bits(void)
+INLINE uint8_t dark_bits(void)
 {
     enum mode mode = controller_mode();
 

@@ -16,7 +16,16 @@ if [ -n "$missing" ]; then
 fi
 if ! echo 'int LLVMFuzzerTestOneInput(void); int LLVMFuzzerTestOneInput(void) { return 0; }' |
     clang -fsanitize=fuzzer,address -x c - -o /dev/null 2>/dev/null; then
-    echo "missing: libFuzzer and the sanitizers of clang (apt-get install libclang-rt-14-dev)" >&2
+    echo "missing: libFuzzer and the sanitizers of clang (apt-get install libclang-rt-dev)" >&2
     exit 3
 fi
+case " ${*:-proof} " in
+*" proof"*)
+    . proof/esbmc.sh
+    if [ -z "$ESBMC" ]; then
+        echo "missing: ESBMC, and pip could not fetch what proof/requirements.txt names (set ESBMC=PATH)" >&2
+        exit 3
+    fi
+    ;;
+esac
 exec make "$@"

@@ -19,7 +19,7 @@
 struct bumpers {
     volatile bool due;  /* the timer routine ran since the last test */
     uint8_t pressed;    /* as believed; read by the timer routine */
-    uint8_t unsettled;  /* those whose `differing` is not 0 */
+    uint8_t unsettled;  /* those that the last test saw differ: no other's `differing` is not 0 */
     uint8_t differing[BUMPER_COUNT];
     uint8_t presses[BUMPER_COUNT]; /* modulo 16 */
 };

@@ -184,7 +184,7 @@ void joints_drive_changed_pins(void)
 }
 
 /* Switches the motors on that were started. One whose sense turns rests until the next tick. */
-static void joints_start(void)
+INLINE void joints_start(void)
 {
     uint8_t turning = (uint8_t)((joints.motors.start_first & joints.motors.driven_last) |
                                 (joints.motors.start_last & joints.motors.driven_first));

@@ -165,22 +165,17 @@ enum status controller_execute(void)
     enum status status = STATUS_ACCEPTED;
 
     port_lock();
-    switch (reception.content[ACTION_KIND]) {
-    case KIND_STOP:
-        all_off(MODE_STOPPED);
-        break;
-    case KIND_INIT:
-        initialise();
-        break;
-    case KIND_STEP:
+    /* STEP is looked at first: motors wait for it. */
+    if (reception.content[ACTION_KIND] == (uint8_t)KIND_STEP) {
         status = accept_step();
-        break;
-    case KIND_CONFIGURE:
+    } else if (reception.content[ACTION_KIND] == (uint8_t)KIND_STOP) {
+        all_off(MODE_STOPPED);
+    } else if (reception.content[ACTION_KIND] == (uint8_t)KIND_INIT) {
+        initialise();
+    } else if (reception.content[ACTION_KIND] == (uint8_t)KIND_CONFIGURE) {
         configure();
-        break;
-    default:
+    } else {
         /* STATE and COUNTERS ask for nothing but their answer. */
-        break;
     }
     joints_drive_pins();
     port_unlock();

@@ -214,15 +214,17 @@ bool reception_next_package(void)
         uint8_t place = (uint8_t)(reception_ring.taken & RING_MASK);
         uint8_t sort = reception_ring.sorts[place];
 
-        reception.byte = reception_ring.bytes[place];
-        reception_ring.taken++;
         if (sort != SORT_BYTE) {
+            /* Before the place is free: the interrupt marks nothing but errors. */
             reception_ring.sorts[place] = SORT_BYTE;
+            reception_ring.taken++;
             line_error(sort);
-        } else if (take_byte()) {
-            return true;
         } else {
-            /* The package goes on, or there is none. */
+            reception.byte = reception_ring.bytes[place];
+            reception_ring.taken++;
+            if (take_byte()) {
+                return true;
+            }
         }
     }
     if (reception_ring.overflowed) {

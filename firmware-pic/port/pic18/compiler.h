@@ -12,11 +12,9 @@
 #ifdef __SDCC
 #define INTERRUPT(priority) __interrupt(priority)
 #define CLEAR_WATCHDOG() __asm__("clrwdt")
-#define NO_OPERATION() __asm__("nop")
 #else
 #define INTERRUPT(priority)
 #define CLEAR_WATCHDOG()
-#define NO_OPERATION()
 #endif
 
 #endif

@@ -115,9 +115,10 @@ void interrupts_begin(void)
 
 void port_lock(void)
 {
-    INTCON &= (uint8_t)~INTCON_GIEL;
-    /* An interrupt that came with this instruction begins before the next but one. */
-    NO_OPERATION();
+    /* An interrupt that comes with this very instruction switches them on again when it returns. */
+    do {
+        INTCON &= (uint8_t)~INTCON_GIEL;
+    } while ((INTCON & INTCON_GIEL) != 0);
 }
 
 void port_unlock(void)

@@ -35,11 +35,11 @@ INLINE uint8_t dark_bits(void)
 {
     enum mode mode = controller_mode();
 
-    if (mode == MODE_FRESH) {
-        return ALL_BUT_THE_FLASH;
-    }
     if (mode == MODE_IDLE) {
         return HALF_SECONDS;
+    }
+    if (mode == MODE_FRESH) {
+        return ALL_BUT_THE_FLASH;
     }
     if (mode == MODE_STOPPED) {
         return QUARTER_SECONDS;

@@ -8,7 +8,7 @@
 #include "sfr.h"
 
 #define FRAME_MS 20u
-#define LEAD_US 750u
+#define LEAD_US 950u
 
 /* 1500 us in tenths, which 0.01 degree is one of. */
 #define NEUTRAL_TENTHS_US 15000

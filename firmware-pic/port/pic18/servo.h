@@ -5,12 +5,12 @@
  * so they are exact to the instruction cycle whatever the interrupts do:
  *
  *   tick    0                        1                                     20
- *           |- 750 us -+=============|==== pulse ====+                     |
+ *           |- 950 us -+=============|==== pulse ====+                     |
  *      set on match at        clear on match at
- *      Timer1 + 750 us        the rising edge + pulse
+ *      Timer1 + 950 us        the rising edge + pulse
  *
- * The tick at which the second match is set comes 250 us after the rising edge; the shortest pulse
- * is 600 us, so that tick may be 350 us late. Frames begin every 20 ms of Timer1, to the cycle.
+ * The tick at which the second match is set comes 50 us after the rising edge; the shortest pulse is
+ * 600 us, so that tick may be 550 us late. Frames begin every 20 ms of Timer1, to the cycle.
  */
 #ifndef RSAPIEN_PIC18_SERVO_H
 #define RSAPIEN_PIC18_SERVO_H

@@ -1,7 +1,7 @@
 ; SPDX-License-Identifier: MIT OR Apache-2.0
 ; From reset to main(). RAM_BANKS (from the Makefile): the chip's RAM in banks of 256 bytes.
 ;
-; Motors off comes before anything else. There is no initialised data to copy: the build fails when
+; Motors off comes before anything else (but for the interrupts). There is no initialised data to copy: the build fails when
 ; there is any. The stack of the compiled code grows down from _stack_end, in one bank (FSR2H, which
 ; functions do not save, then never changes); the linker reserves it.
 
@@ -12,12 +12,15 @@
 
 FSR0H   equ     0xFEA
 POSTINC0 equ    0xFEE
+INTCON  equ     0xFF2
 
 reset_vector code 0x0000
         goto    start
 
 startup code
 start:
+        ; 0 after a reset, but not after a wild jump to address 0.
+        clrf    INTCON, 0
         call    _pins_reset
         lfsr    0, 0
 clear:

@@ -1,6 +1,6 @@
 //! The camera's servo pins: pulses measured on the chip against positions of the model.
 //!
-//! Every 20 ms a pulse begins, 0.75 ms after a tick; it tells where the axis was in that tick or, since the
+//! Every 20 ms a pulse begins, 0.95 ms after a tick; it tells where the axis was in that tick or, since the
 //! main routine reckons it somewhere in a tick, in the one before or behind. Whether there is a pulse at
 //! all was settled with the pulse before it.
 
@@ -100,7 +100,7 @@ impl Servos {
     /// Whether a pulse that begins behind `tick` ends when Timer1 is 0: there alone gpsim's compare unit
     /// sees no match, and the pulse goes on to the next frame's end. The chip's unit sees it.
     fn ends_at_zero(&self, tick: u64, centideg: i16) -> bool {
-        const LEAD_TENTHS_US: i64 = 7_500;
+        const LEAD_TENTHS_US: i64 = 9_500;
         // The timer counts cycles from the start, with which the ticks began.
         let counts = |tenths_us: i64| tenths_us * self.cycles_a_ms.cast_signed() / 10_000;
         let begins = tick.cast_signed() * self.cycles_a_ms.cast_signed() + counts(LEAD_TENTHS_US);

@@ -184,7 +184,7 @@ fn the_commands_of_the_readme_are_tried() {
 
 #[test]
 fn documents_tell_the_numbers_of_the_preset() {
-    let options = rsapien_vision::Options::paper();
+    let options = rsapien_vision::paper::Options::paper();
     let (hough, quality) = (options.hough, options.filter.quality_min);
     let major = format!("{} to {}", hough.semi_major_min_px, hough.semi_major_max_px);
     let (both, points) = (

@@ -9,10 +9,8 @@ use numpy::{
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rsapien_vision::{
-    ColorView, DetectedEllipse, Detection, Detector, GrayImage, GrayView, Options, PixelLayout,
-    Preset,
-};
+use rsapien_vision::paper::{DetectedEllipse, Detection, Detector, Options};
+use rsapien_vision::{ColorView, GrayImage, GrayView, PixelLayout};
 
 /// An ellipse found in a picture. Pixel centres are at integers, y points down.
 #[pyclass(name = "Ellipse", module = "rsapien", frozen)]
@@ -193,7 +191,7 @@ pub(crate) fn detect(
     distance: Option<f64>,
 ) -> PyResult<PyDetection> {
     let mut options = match preset {
-        "paper" => Options::preset(Preset::Paper),
+        "paper" => Options::paper(),
         _ => return Err(value_error(format!("preset must be \"paper\", not {preset:?}"))),
     };
     if let Some(Range(least, greatest)) = semi_major {

@@ -3,13 +3,14 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use rsapien_vision::edge::edge_points;
-use rsapien_vision::gradient::sobel_magnitude;
-use rsapien_vision::hough::search;
 use rsapien_vision::image::GrayView;
-use rsapien_vision::noise::{NoiseReduction, reduce_noise};
-use rsapien_vision::threshold::{binarize, maximum_variance_level};
-use rsapien_vision::{Detector, Ellipse, Options, Picture, draw};
+use rsapien_vision::paper::edge::edge_points;
+use rsapien_vision::paper::gradient::sobel_magnitude;
+use rsapien_vision::paper::hough::search;
+use rsapien_vision::paper::noise::{NoiseReduction, reduce_noise};
+use rsapien_vision::paper::threshold::{binarize, maximum_variance_level};
+use rsapien_vision::paper::{Detector, Options};
+use rsapien_vision::{Ellipse, Picture, draw};
 
 /// Two cup rims, each drawn as three neighbouring outlines, on grey.
 fn picture() -> Picture {
@@ -38,7 +39,8 @@ fn stages(criterion: &mut Criterion) {
     let gray = picture().to_gray();
     let denoised = reduce_noise(&gray.view(), NoiseReduction::Gaussian);
     let gradient = sobel_magnitude(&denoised.view());
-    let level = maximum_variance_level(&rsapien_vision::threshold::histogram(&gradient.view()));
+    let level =
+        maximum_variance_level(&rsapien_vision::paper::threshold::histogram(&gradient.view()));
     let binary = binarize(&gradient.view(), level);
     let points = edge_points(&binary.view());
     let options = Options::paper();
@@ -55,7 +57,7 @@ fn stages(criterion: &mut Criterion) {
         let binarized = |gradient: &GrayView<'_>| {
             binarize(
                 gradient,
-                maximum_variance_level(&rsapien_vision::threshold::histogram(gradient)),
+                maximum_variance_level(&rsapien_vision::paper::threshold::histogram(gradient)),
             )
         };
         b.iter(|| binarized(&black_box(&gradient).view()));

@@ -14,7 +14,8 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Duration;
 
-use rsapien_vision::{DetectedEllipse, Detector, Ellipse, Picture};
+use rsapien_vision::paper::{DetectedEllipse, Detector};
+use rsapien_vision::{Ellipse, Picture};
 
 /// Overlap from which two ellipses are the same.
 const OVERLAP_MIN: f64 = 0.8;

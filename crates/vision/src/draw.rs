@@ -1,6 +1,5 @@
 //! Drawing what was found (feature `image`).
 
-use crate::detect::Detection;
 use crate::ellipse::Ellipse;
 use crate::io::Picture;
 
@@ -13,11 +12,11 @@ const HALF_WIDTH_PX: f64 = 0.75;
 /// Length of one arm of the cross at a centre, in pixels.
 const CROSS_PX: i64 = 4;
 
-/// Draws every ellipse of a detection with a cross at its centre.
-pub fn annotate(picture: &mut Picture, detection: &Detection) {
-    for detected in &detection.ellipses {
-        ellipse(picture, &detected.ellipse, ELLIPSE_COLOR);
-        cross(picture, &detected.ellipse, ELLIPSE_COLOR);
+/// Draws every ellipse with a cross at its centre.
+pub fn annotate<'a>(picture: &mut Picture, ellipses: impl IntoIterator<Item = &'a Ellipse>) {
+    for found in ellipses {
+        ellipse(picture, found, ELLIPSE_COLOR);
+        cross(picture, found, ELLIPSE_COLOR);
     }
 }
 

@@ -1,86 +1,9 @@
-//! The detector's options, their ranges, and the presets.
+//! The options of the [`Detector`](crate::Detector), their ranges and their builder.
 
 use thiserror::Error;
 
-use crate::noise::NoiseReduction;
-use crate::threshold::Threshold;
-use crate::vote::{Accumulator, BINS_MAX};
-
-/// A named set of options.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[non_exhaustive]
-pub enum Preset {
-    /// The paper's detector under its own numbers; see [`Options::paper`].
-    #[default]
-    Paper,
-}
-
-/// Everything that steers a detection, stage by stage.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
-    /// Noise reduction of the grey picture.
-    pub noise: NoiseReduction,
-    /// Binarization of the gradient picture.
-    pub threshold: Threshold,
-    /// Largest share of pixels that may be edges, in `0..=1`. The paper's detector wants contours that are "well
-    /// defined" and noise "greatly reduced"; a picture above this share is noise, and the search is not started.
-    pub edge_share_max: f64,
-    /// Randomized Hough Transform.
-    pub hough: HoughOptions,
-    /// Filters of false ellipses.
-    pub filter: FilterOptions,
-    /// Clustering.
-    pub cluster: ClusterOptions,
-}
-
-/// Options of [`hough::search`](crate::hough::search).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HoughOptions {
-    /// The paper's C: pairs tried for every edge point, `1..=1000`.
-    pub pairs_per_edge_point: u32,
-    /// Least semi-major axis in pixels, `1..=2000`: with the greatest one the paper's search domain.
-    pub semi_major_min_px: f32,
-    /// Greatest semi-major axis in pixels, from the least one to 2000.
-    pub semi_major_max_px: f32,
-    /// Least semi-minor axis in pixels, from 1 to the greatest one.
-    pub semi_minor_min_px: f32,
-    /// Greatest semi-minor axis in pixels, up to the greatest semi-major axis.
-    pub semi_minor_max_px: f32,
-    /// Width of an accumulator bin in pixels, `0.25..=50`: the paper's quantisation.
-    pub bin_width_px: f32,
-}
-
-/// Options of [`filter`](crate::filter::filter()).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FilterOptions {
-    /// Least number of edge points on the contour: "ellipse quality" of Table 3, `1..`.
-    pub quality_min: u32,
-    /// Least ratio of the points on the poorer side of the major axis to those on the richer one, `0..=1`.
-    pub side_proportion_min: f64,
-}
-
-/// Options of [`cluster`](crate::cluster::cluster()).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ClusterOptions {
-    /// The paper's `D_T`: greatest distance (10) from the centroid at which an ellipse belongs to a cluster, above 0.
-    pub distance_max: f64,
-    /// How the angle enters the distance (10).
-    pub angle: AngleMeasure,
-    /// Least number of members of a cluster that is reported, `1..`. 2 drops the single ones, as the authors'
-    /// own program does; the paper does not mention it.
-    pub members_min: u32,
-}
-
-/// How a difference of angles counts beside differences in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum AngleMeasure {
-    /// As it is, in radians: next to pixels practically nothing.
-    #[default]
-    Radians,
-    /// As the number of pixels by which it moves the ends of the axes off the contour: `(a - b) Δα`, with the axes of the
-    /// centroid. Nothing for a circle, which has no angle.
-    ContourShift,
-}
+use crate::detector::Detector;
+use crate::image::SIDE_PX_MAX;
 
 /// An option outside its range.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -94,139 +17,202 @@ pub struct OptionsError {
     pub allowed: String,
 }
 
-impl Options {
-    /// The options of a preset.
-    pub fn preset(preset: Preset) -> Self {
-        match preset {
-            Preset::Paper => Self::paper(),
-        }
-    }
-
-    /// The paper's detector.
-    ///
-    /// | option | value | source |
-    /// |---|---|---|
-    /// | `pairs_per_edge_point` | 2 | "in our current implementation C = 2" |
-    /// | `distance_max` | 20 | "we used `D_T` = 20" |
-    /// | `threshold` | maximum variance | "we use the Maximum Variance Threshold" |
-    /// | semi-axes | 36 to 75, 15 to 75 px | the paper gives no range; Table 2 lists 44 to 64 and 22 to 43 |
-    /// | `bin_width_px`, `quality_min` | 4, 390 | measured; Table 3 lists 200 to 300 for bins of unknown width |
-    /// | `side_proportion_min` | 0.5 | measured; the paper says "proportional" |
-    /// | `noise` | Gaussian | measured; the paper names no filter |
-    /// | `angle` | contour shift | measured; the paper names no unit of α beside pixels |
-    /// | `members_min` | 1 | the paper says nothing of dropping single members |
-    /// | `edge_share_max` | 0.2 | an addition: refuses noise. The paper's pictures have about 0.05 |
-    ///
-    /// `docs/detector.md` in the repository tells what was measured.
-    pub fn paper() -> Self {
-        Self {
-            noise: NoiseReduction::Gaussian,
-            threshold: Threshold::MaximumVariance,
-            edge_share_max: 0.2,
-            hough: HoughOptions {
-                pairs_per_edge_point: 2,
-                semi_major_min_px: 36.0,
-                semi_major_max_px: 75.0,
-                semi_minor_min_px: 15.0,
-                semi_minor_max_px: 75.0,
-                bin_width_px: 4.0,
-            },
-            filter: FilterOptions { quality_min: 390, side_proportion_min: 0.5 },
-            cluster: ClusterOptions {
-                distance_max: 20.0,
-                members_min: 1,
-                angle: AngleMeasure::ContourShift,
-            },
-        }
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// The first field outside its range, by name, with its value and the range.
-    pub fn validate(&self) -> Result<(), OptionsError> {
-        check("edge_share_max", self.edge_share_max, 0.0, 1.0)?;
-        self.hough.validate()?;
-        check("filter.quality_min", f64::from(self.filter.quality_min), 1.0, f64::from(u32::MAX))?;
-        check("filter.side_proportion_min", self.filter.side_proportion_min, 0.0, 1.0)?;
-        check("cluster.distance_max", self.cluster.distance_max, 1e-6, 1e6)?;
-        check("cluster.members_min", f64::from(self.cluster.members_min), 1.0, f64::from(u32::MAX))
-    }
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self::preset(Preset::default())
-    }
-}
-
-/// Greatest semi-axis that the search domain may reach, in pixels.
-pub const SEMI_AXIS_PX_MAX: f32 = 2000.0;
-
-impl HoughOptions {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// The first field outside its range, by name, with its value and the range.
-    pub fn validate(&self) -> Result<(), OptionsError> {
-        let between = |field, value: f32, least: f32, greatest: f32| {
-            check(field, f64::from(value), f64::from(least), f64::from(greatest))
-        };
-        check("hough.pairs_per_edge_point", f64::from(self.pairs_per_edge_point), 1.0, 1000.0)?;
-        between("hough.semi_major_min_px", self.semi_major_min_px, 1.0, SEMI_AXIS_PX_MAX)?;
-        between(
-            "hough.semi_major_max_px",
-            self.semi_major_max_px,
-            self.semi_major_min_px,
-            SEMI_AXIS_PX_MAX,
-        )?;
-        between("hough.semi_minor_min_px", self.semi_minor_min_px, 1.0, self.semi_major_max_px)?;
-        between(
-            "hough.semi_minor_max_px",
-            self.semi_minor_max_px,
-            self.semi_minor_min_px,
-            self.semi_major_max_px,
-        )?;
-        between("hough.bin_width_px", self.bin_width_px, 0.25, 50.0)?;
-        // Validated ranges keep this small; the accumulator has a fixed number of bins.
-        if self.bins() > BINS_MAX {
-            return Err(OptionsError {
-                field: "hough.bin_width_px",
-                value: f64::from(self.bin_width_px),
-                allowed: format!(
-                    "at least {} for this range of the semi-minor axis",
-                    (self.semi_minor_max_px - self.semi_minor_min_px) / (BINS_MAX - 1) as f32
-                ),
-            });
-        }
-        Ok(())
-    }
-
-    /// Bins from the least to the greatest semi-minor axis.
-    fn bins(&self) -> usize {
-        ((self.semi_minor_max_px - self.semi_minor_min_px) / self.bin_width_px) as usize + 1
-    }
-
-    pub(crate) fn accumulator(&self) -> Accumulator {
-        Accumulator::new(self.semi_minor_min_px, self.bin_width_px, self.bins())
-    }
-}
-
-impl FilterOptions {
-    /// Votes that either side of an axis must have for a candidate to pass: with the proportion `p` between the sides and
-    /// the quality `q` in all, `q p / (1 + p)`, cut down to an integer.
-    pub fn side_votes_min(&self) -> u32 {
-        let p = self.side_proportion_min;
-        // At most half of a u32.
-        (f64::from(self.quality_min) * p / (1.0 + p)) as u32
-    }
-}
-
 /// Refuses a value outside `least..=greatest`, and one that is not a number.
-fn check(field: &'static str, value: f64, least: f64, greatest: f64) -> Result<(), OptionsError> {
+pub(crate) fn check(
+    field: &'static str,
+    value: f64,
+    least: f64,
+    greatest: f64,
+) -> Result<(), OptionsError> {
     if value >= least && value <= greatest {
         Ok(())
     } else {
         Err(OptionsError { field, value, allowed: format!("{least} to {greatest}") })
+    }
+}
+
+/// What is reported of a drawn ring, a stroke with two edges of opposite sense.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum Strokes {
+    /// One ellipse: the line half way between the two edges. A ring so wide that its inner edge encloses less than
+    /// a third of the outer edge's area is taken for two contours.
+    #[default]
+    MiddleLine,
+    /// Both edges, an ellipse each.
+    BothEdges,
+}
+
+/// A part of the picture, in pixels: the pixels whose columns lie in `left..left + width` and whose rows lie in
+/// `top..top + height`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Region {
+    /// First column.
+    pub left: usize,
+    /// First row.
+    pub top: usize,
+    /// Columns, at least 1.
+    pub width: usize,
+    /// Rows, at least 1.
+    pub height: usize,
+}
+
+/// Everything that steers a detection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Least semi-minor axis in pixels, `3..=16384`. Below 3 px a contour has too few pixels to tell it from noise.
+    pub semi_axis_min_px: f64,
+    /// Greatest semi-major axis in pixels, from the least semi-axis to 16384.
+    pub semi_axis_max_px: f64,
+    /// Least ratio of the semi-minor to the semi-major axis, `0.05..=1`.
+    pub axis_ratio_min: f64,
+    /// Least [score](crate::DetectedEllipse::score), `0..=1`.
+    pub score_min: f64,
+    /// The part of the picture that is looked at; all of it when `None`, and what of it lies inside the picture
+    /// otherwise. Coordinates of the result are those of the whole picture.
+    pub region: Option<Region>,
+    /// What is reported of a drawn ring.
+    pub strokes: Strokes,
+    /// Whether the edge points on each contour are kept in [`Detection::support`](crate::Detection::support).
+    pub support_points: bool,
+    /// Whether each ellipse gets the [covariance](crate::DetectedEllipse::covariance) of its parameters.
+    pub covariance: bool,
+    /// Seed of the random draws. The same seed gives the same ellipses on any machine and any number of threads.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            semi_axis_min_px: 3.0,
+            semi_axis_max_px: SIDE_PX_MAX as f64,
+            axis_ratio_min: 0.2,
+            score_min: 0.5,
+            region: None,
+            strokes: Strokes::MiddleLine,
+            support_points: false,
+            covariance: false,
+            seed: 1,
+        }
+    }
+}
+
+impl Options {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// The first field outside its range, by name, with its value and the range.
+    pub fn validate(&self) -> Result<(), OptionsError> {
+        let side_px = SIDE_PX_MAX as f64;
+        check("semi_axis_min_px", self.semi_axis_min_px, 3.0, side_px)?;
+        check("semi_axis_max_px", self.semi_axis_max_px, self.semi_axis_min_px, side_px)?;
+        check("axis_ratio_min", self.axis_ratio_min, 0.05, 1.0)?;
+        check("score_min", self.score_min, 0.0, 1.0)?;
+        if let Some(region) = self.region {
+            check("region.left", region.left as f64, 0.0, side_px)?;
+            check("region.top", region.top as f64, 0.0, side_px)?;
+            check("region.width", region.width as f64, 1.0, side_px)?;
+            check("region.height", region.height as f64, 1.0, side_px)?;
+        }
+        Ok(())
+    }
+}
+
+/// Makes a [`Detector`]; every method sets one of the [`Options`].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[must_use]
+pub struct DetectorBuilder {
+    options: Options,
+}
+
+impl DetectorBuilder {
+    /// All options at once.
+    pub fn options(mut self, options: Options) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Least semi-minor and greatest semi-major axis, in pixels; see [`Options::semi_axis_min_px`].
+    pub fn semi_axes_px(mut self, least: f64, greatest: f64) -> Self {
+        (self.options.semi_axis_min_px, self.options.semi_axis_max_px) = (least, greatest);
+        self
+    }
+
+    /// Least ratio of the semi-axes; see [`Options::axis_ratio_min`].
+    pub fn axis_ratio_min(mut self, ratio: f64) -> Self {
+        self.options.axis_ratio_min = ratio;
+        self
+    }
+
+    /// Least score; see [`Options::score_min`].
+    pub fn score_min(mut self, score: f64) -> Self {
+        self.options.score_min = score;
+        self
+    }
+
+    /// The part of the picture to look at; see [`Options::region`].
+    pub fn region(mut self, region: Option<Region>) -> Self {
+        self.options.region = region;
+        self
+    }
+
+    /// What is reported of a drawn ring; see [`Options::strokes`].
+    pub fn strokes(mut self, strokes: Strokes) -> Self {
+        self.options.strokes = strokes;
+        self
+    }
+
+    /// Whether support points are kept; see [`Options::support_points`].
+    pub fn support_points(mut self, keep: bool) -> Self {
+        self.options.support_points = keep;
+        self
+    }
+
+    /// Whether covariances are computed; see [`Options::covariance`].
+    pub fn covariance(mut self, compute: bool) -> Self {
+        self.options.covariance = compute;
+        self
+    }
+
+    /// Seed of the random draws; see [`Options::seed`].
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.options.seed = seed;
+        self
+    }
+
+    /// Checks the options and makes the detector.
+    ///
+    /// # Errors
+    /// The first option outside its range, by name, with its value and the range.
+    pub fn build(self) -> Result<Detector, OptionsError> {
+        Detector::with_options(self.options)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_field_is_checked_by_name() {
+        let refused = |change: fn(&mut Options)| {
+            let mut options = Options::default();
+            change(&mut options);
+            options.validate().unwrap_err().field
+        };
+        assert_eq!(refused(|o| o.semi_axis_min_px = 2.0), "semi_axis_min_px");
+        assert_eq!(refused(|o| o.semi_axis_max_px = 2.9), "semi_axis_max_px");
+        assert_eq!(refused(|o| o.axis_ratio_min = f64::NAN), "axis_ratio_min");
+        assert_eq!(refused(|o| o.score_min = 1.1), "score_min");
+        assert_eq!(
+            refused(|o| o.region = Some(Region { left: 0, top: 0, width: 0, height: 9 })),
+            "region.width"
+        );
+        assert!(Options::default().validate().is_ok());
+    }
+
+    #[test]
+    fn an_error_names_field_value_and_range() {
+        let error = Detector::builder().score_min(-1.0).build().unwrap_err();
+        assert_eq!(error.to_string(), "option score_min is -1, allowed is 0 to 1");
     }
 }

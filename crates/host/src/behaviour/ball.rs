@@ -1,6 +1,7 @@
 //! Looking for a ball and turning the head until it is centred.
 
-use rsapien_vision::{DetectedEllipse, Detection, Detector, GrayImage, Options, OptionsError};
+use rsapien_vision::paper::{DetectedEllipse, Detection, Detector, Options};
+use rsapien_vision::{GrayImage, OptionsError};
 
 use super::{Direction, Head, Pinhole, contour_share};
 

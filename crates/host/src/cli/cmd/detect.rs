@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use rsapien_vision::io::{FILE_BYTES_MAX, save_gray_png};
-use rsapien_vision::{Detection, Detector, Picture, Stages, draw};
+use rsapien_vision::paper::{Detection, Detector, Stages};
+use rsapien_vision::{Picture, draw};
 use serde::Serialize;
 
 use self::places::Places;
@@ -211,7 +212,7 @@ fn read(path: &Path) -> Result<Picture> {
 /// The picture with the ellipses drawn.
 fn annotated(picture: &Picture, detection: &Detection) -> Picture {
     let mut drawn = picture.clone();
-    draw::annotate(&mut drawn, detection);
+    draw::annotate(&mut drawn, detection.ellipses.iter().map(|found| &found.ellipse));
     drawn
 }
 

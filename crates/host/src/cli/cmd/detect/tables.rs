@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
 
-use rsapien_vision::Detection;
+use rsapien_vision::paper::Detection;
 
 use crate::cli::output::Table;
 

@@ -3,8 +3,8 @@
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
-use rsapien_vision::noise::NoiseReduction;
-use rsapien_vision::{Detector, Options, Preset};
+use rsapien_vision::paper::noise::NoiseReduction;
+use rsapien_vision::paper::{Detector, Options};
 
 use crate::cli::diagnostics::{Failure, Result};
 
@@ -97,9 +97,9 @@ impl FromStr for AxisRange {
 impl Tuning {
     /// The detector of the preset with the options given.
     pub(crate) fn detector(&self) -> Result<Detector> {
-        let mut options = Options::preset(match self.preset {
-            PresetName::Paper => Preset::Paper,
-        });
+        let mut options = match self.preset {
+            PresetName::Paper => Options::paper(),
+        };
         let hough = &mut options.hough;
         if let Some(range) = self.semi_major {
             (hough.semi_major_min_px, hough.semi_major_max_px) =

@@ -17,11 +17,11 @@ use rand::Rng;
 use rand_pcg::Pcg32;
 use rayon::prelude::*;
 
-use crate::edge::EdgePoint;
 use crate::ellipse::Ellipse;
-use crate::grid::{Halves, PointGrid};
-use crate::options::HoughOptions;
-use crate::vote::{Axis, Peak};
+use crate::paper::edge::EdgePoint;
+use crate::paper::grid::{Halves, PointGrid};
+use crate::paper::options::HoughOptions;
+use crate::paper::vote::{Axis, Peak};
 
 /// Pairs in a batch.
 pub const BATCH_PAIRS: usize = 64;
@@ -91,7 +91,7 @@ impl Search {
 /// Runs the search over `points` on rayon's current threads.
 ///
 /// Candidates with fewer than `side_votes_min` votes on either side of the minor axis are left out, which ends the voting
-/// of most pairs half way; [`FilterOptions::side_votes_min`](crate::options::FilterOptions::side_votes_min) is the number that the filters
+/// of most pairs half way; [`FilterOptions::side_votes_min`](crate::paper::options::FilterOptions::side_votes_min) is the number that the filters
 /// would not let pass anyway. With 0 every pair that got a vote gives a candidate.
 ///
 /// Fewer than two points give no pairs. The same points, options and seed give the same result on any number of

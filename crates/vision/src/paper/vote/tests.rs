@@ -1,5 +1,5 @@
 use super::*;
-use crate::edge::EdgePoint;
+use crate::paper::edge::EdgePoint;
 use crate::test_pictures::noise;
 use proptest::prelude::*;
 

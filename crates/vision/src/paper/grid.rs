@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::edge::EdgePoint;
-use crate::vote::Axis;
+use crate::paper::edge::EdgePoint;
+use crate::paper::vote::Axis;
 
 /// Side of a tile in pixels.
 const TILE_PX: usize = 8;

@@ -1,9 +1,9 @@
 use super::*;
 use crate::image::GrayImage;
-use crate::noise::NoiseReduction;
-use crate::options::{AngleMeasure, ClusterOptions, FilterOptions, HoughOptions};
+use crate::paper::noise::NoiseReduction;
+use crate::paper::options::{AngleMeasure, ClusterOptions, FilterOptions, HoughOptions};
+use crate::paper::threshold::Threshold;
 use crate::test_pictures::{noise, rings};
-use crate::threshold::Threshold;
 use proptest::prelude::*;
 
 const CUP: Ellipse = Ellipse {

@@ -18,7 +18,7 @@
 
 use std::ops::Range;
 
-use crate::grid::{Halves, LANES, PointGrid};
+use crate::paper::grid::{Halves, LANES, PointGrid};
 
 /// Most slots a quadrant of the ellipse: its bins, and one slot on either side for what lies outside the range.
 const QUADRANT_SLOTS_MAX: usize = 1024;

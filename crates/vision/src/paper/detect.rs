@@ -2,16 +2,17 @@
 
 use std::time::{Duration, Instant};
 
-use crate::cluster::cluster;
-use crate::edge::{EdgePoint, edge_points};
 use crate::ellipse::Ellipse;
-use crate::filter::filter;
-use crate::gradient::sobel_magnitude;
-use crate::hough::{Candidate, search};
 use crate::image::{GrayImage, GrayView};
-use crate::noise::reduce_noise;
-use crate::options::{Options, OptionsError};
-use crate::threshold::{binarize, level};
+use crate::options::OptionsError;
+use crate::paper::cluster::cluster;
+use crate::paper::edge::{EdgePoint, edge_points};
+use crate::paper::filter::filter;
+use crate::paper::gradient::sobel_magnitude;
+use crate::paper::hough::{Candidate, search};
+use crate::paper::noise::reduce_noise;
+use crate::paper::options::Options;
+use crate::paper::threshold::{binarize, level};
 
 /// Most virtual ellipses that are clustered: those of the highest quality.
 pub const VIRTUAL_ELLIPSES_MAX: usize = 4096;
@@ -39,7 +40,7 @@ pub struct DetectedEllipse {
 pub enum Limit {
     /// More of the picture is edge than `edge_share_max` allows: taken for noise, not searched.
     EdgeShare,
-    /// Fewer pairs were voted on than `C n`; see the limits in [`hough`](crate::hough).
+    /// Fewer pairs were voted on than `C n`; see the limits in [`hough`](crate::paper::hough).
     Pairs,
     /// Of the virtual ellipses only the best [`VIRTUAL_ELLIPSES_MAX`] were clustered.
     VirtualEllipses,

@@ -5,8 +5,8 @@
 //! - Proportion: "the number of points is proportional on either side". The paper gives no number; here the poorer side
 //!   must have at least `side_proportion_min` times the points of the richer one.
 
-use crate::hough::Candidate;
-use crate::options::FilterOptions;
+use crate::paper::hough::Candidate;
+use crate::paper::options::FilterOptions;
 
 /// Whether a candidate passes all the filters.
 pub fn passes(candidate: &Candidate, options: &FilterOptions) -> bool {

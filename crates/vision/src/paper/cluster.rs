@@ -10,8 +10,8 @@
 //! - Of several clusters within `D_T` the nearest is joined; of equally near members the one of higher quality is taken.
 
 use crate::ellipse::axis_difference_rad;
-use crate::hough::Candidate;
-use crate::options::{AngleMeasure, ClusterOptions};
+use crate::paper::hough::Candidate;
+use crate::paper::options::{AngleMeasure, ClusterOptions};
 
 /// Ellipses that are one.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::options::Options;
+use crate::paper::options::Options;
 use crate::test_pictures::noise;
 
 fn scattered(count: usize, seed: u64) -> Vec<EdgePoint> {

@@ -5,18 +5,27 @@
 // The hot loops must be inlined into the function that is compiled for several instruction sets.
 #![allow(clippy::inline_always)]
 
+mod arc;
+mod chain;
 pub mod detection;
 pub mod detector;
 #[cfg(feature = "image")]
 pub mod draw;
+mod edges;
 pub mod ellipse;
 pub mod image;
 #[cfg(feature = "image")]
 pub mod io;
+mod meaning;
 pub mod options;
 pub mod paper;
+mod search;
+mod select;
+mod shape;
+mod support;
 #[cfg(test)]
 mod test_pictures;
+mod vote;
 
 pub use detection::{DetectedEllipse, Detection, StageCost, Statistics, SupportPoint};
 pub use detector::Detector;

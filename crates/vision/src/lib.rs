@@ -16,6 +16,8 @@ pub mod image;
 pub mod io;
 pub mod options;
 pub mod paper;
+#[cfg(feature = "pose")]
+pub mod pose;
 #[cfg(test)]
 mod test_pictures;
 

@@ -20,6 +20,7 @@ pub mod paper;
 pub mod pose;
 #[cfg(test)]
 mod test_pictures;
+pub mod tracker;
 
 pub use detection::{DetectedEllipse, Detection, StageCost, Statistics, SupportPoint};
 pub use detector::Detector;
@@ -28,3 +29,4 @@ pub use image::{ColorView, GrayImage, GrayView, ImageError, PixelLayout};
 #[cfg(feature = "image")]
 pub use io::{Picture, PictureError};
 pub use options::{DetectorBuilder, Options, OptionsError, Region, Strokes};
+pub use tracker::{Track, TrackState, Tracker, TrackerOptions};

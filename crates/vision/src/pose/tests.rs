@@ -145,6 +145,32 @@ fn with_noise(ellipse: &Ellipse, noise: [f64; 5]) -> Ellipse {
 
 proptest! {
     #[test]
+    fn any_numbers_give_an_error_or_finite_poses(values: [f64; 5], camera: [f64; 4], radius_m: f64) {
+        let ellipse = Ellipse {
+            center_x_px: values[0],
+            center_y_px: values[1],
+            semi_major_px: values[2].abs(),
+            semi_minor_px: values[3].abs(),
+            theta_rad: values[4],
+        };
+        let camera = Intrinsics {
+            focal_x_px: camera[0].abs(),
+            focal_y_px: camera[1].abs(),
+            center_x_px: camera[2],
+            center_y_px: camera[3],
+        };
+        for camera in [camera, CAMERA] {
+            if let Ok(poses) = circle_poses(&ellipse, &camera, radius_m.abs()) {
+                prop_assert!(poses.iter().flat_map(|pose| pose.normal).all(f64::is_finite));
+            }
+            if let Ok(ball) = ball_position(&ellipse, &camera, radius_m.abs()) {
+                prop_assert!(ball.center_m.iter().all(|value| value.is_finite()));
+            }
+            let _ = project_ball([values[0], values[1], values[2].abs()], radius_m.abs(), &camera);
+        }
+    }
+
+    #[test]
     fn a_circle_is_where_it_was(center_m in place(), tilt in 0.05..1.4_f64, turn in 0.0..TAU, radius_m in 0.02..0.1_f64) {
         let truth = tilted(center_m, tilt, turn);
         let seen = project_circle(&truth, radius_m, &CAMERA).unwrap();

@@ -2,12 +2,9 @@
 
 use super::Track;
 use super::filter::Sighting;
-use crate::ellipse::Ellipse;
 
 /// Greatest distance in standard deviations at which a sighting beside the prediction is taken for it.
 const DEVIATIONS_MAX: f64 = 3.0;
-/// Overlap, with the centres put together, of two ellipses of the same shape.
-const SHAPE_OVERLAP_MIN: f64 = 0.7;
 
 /// Pairs of tracks and sightings, with the buffers to find them.
 #[derive(Debug, Clone, Default)]
@@ -60,9 +57,8 @@ impl Association {
                     Some(overlap)
                 } else {
                     let deviations = followed.filter.center_deviations(sighting, interval_s);
-                    (deviations <= DEVIATIONS_MAX
-                        && has_same_shape(&followed.ellipse, &sighting.ellipse))
-                    .then_some(-deviations)
+                    (deviations <= DEVIATIONS_MAX && followed.filter.has_shape_of(sighting))
+                        .then_some(-deviations)
                 };
                 let candidate = |merit| Candidate { merit, track, sighting: index };
                 self.candidates.extend(merit.map(candidate));
@@ -78,10 +74,4 @@ impl Association {
             }
         }
     }
-}
-
-/// Whether two ellipses are alike but for where they are.
-pub(super) fn has_same_shape(one: &Ellipse, other: &Ellipse) -> bool {
-    let moved = Ellipse { center_x_px: one.center_x_px, center_y_px: one.center_y_px, ..*other };
-    one.overlap_from(&moved, SHAPE_OVERLAP_MIN) >= SHAPE_OVERLAP_MIN
 }

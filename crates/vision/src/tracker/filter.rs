@@ -12,6 +12,9 @@ use crate::ellipse::Ellipse;
 const MANOEUVRE_DEVIATIONS: f64 = 3.0;
 /// Velocity and acceleration of size and shape beside those of the centre: what comes near or turns changes slowly.
 const SHAPE_PACE: f64 = 0.2;
+/// Difference in pixels, and beside it as a share of the mean radius, up to which two sizes or shapes are alike.
+const SHAPE_TOLERANCE_PX: f64 = 2.0;
+const SHAPE_TOLERANCE_SHARE: f64 = 0.15;
 /// Greatest length of the shape's vector beside the mean radius; beyond it there is no minor axis left.
 const SHAPE_SHARE_MAX: f64 = 0.95;
 
@@ -184,6 +187,14 @@ impl Filter {
         (share(0) + share(1)).sqrt()
     }
 
+    /// Whether a sighting has the size and shape predicted, wherever it is.
+    pub(super) fn has_shape_of(&self, sighting: &Sighting) -> bool {
+        let [_, _, mean, p, q] = self.parameters.map(|parameter| parameter.value);
+        let [_, _, seen_mean, seen_p, seen_q] = sighting.values;
+        let reach_px = SHAPE_TOLERANCE_PX.max(SHAPE_TOLERANCE_SHARE * mean);
+        (seen_mean - mean).abs() <= reach_px && (seen_p - p).hypot(seen_q - q) <= reach_px
+    }
+
     pub(super) fn ellipse(&self) -> Ellipse {
         let [x, y, mean, p, q] = self.parameters.map(|parameter| parameter.value);
         let mean = mean.max(1.0);
@@ -209,4 +220,52 @@ impl Filter {
 
 fn pace(index: usize) -> f64 {
     if index < 2 { 1.0 } else { SHAPE_PACE }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::super::tests::{detected, ellipse};
+    use super::*;
+
+    #[test]
+    fn a_covariance_is_carried_over_to_what_the_filters_measure() {
+        // Standard deviations 0.2, 0.3, 0.4, 0.1 pixels and 0.02 radians, the axes' errors of opposite sign.
+        let deviations: [f64; 5] = [0.2, 0.3, 0.4, 0.1, 0.02];
+        let mut covariance = [[0.0; 5]; 5];
+        for (index, deviation) in deviations.iter().enumerate() {
+            covariance[index][index] = deviation * deviation;
+        }
+        (covariance[2][3], covariance[3][2]) = (-0.02, -0.02);
+        let center = [100.0, 80.0, 40.0, 30.0, 0.5];
+        let detected = DetectedEllipse {
+            covariance: Some(covariance),
+            ..detected(ellipse(100.0, 80.0, 40.0, 30.0, 0.5))
+        };
+        let sighting = Sighting::new(&detected, 0.0);
+        let mut random = Pcg64Mcg::seed_from_u64(5);
+        let mut sums = [0.0; 5];
+        let count = 20_000;
+        for _ in 0..count {
+            let unit: [f64; 5] =
+                std::array::from_fn(|_| 12.0_f64.sqrt() * (random.random::<f64>() - 0.5));
+            // The minor axis follows the major one by -0.5 of its deviation.
+            let minor = -0.5 * unit[2] + 0.75_f64.sqrt() * unit[3];
+            let errors = [unit[0], unit[1], unit[2], minor, unit[4]];
+            let drawn: [f64; 5] =
+                std::array::from_fn(|index| center[index] + deviations[index] * errors[index]);
+            let drawn = ellipse(drawn[0], drawn[1], drawn[2], drawn[3], drawn[4]);
+            for (sum, (one, other)) in
+                sums.iter_mut().zip(values(&drawn).iter().zip(&sighting.values))
+            {
+                *sum += (one - other).powi(2);
+            }
+        }
+        for (sum, variance) in sums.iter().zip(sighting.variances) {
+            let spread = sum / f64::from(count);
+            assert!((spread / variance - 1.0).abs() < 0.05, "{spread} {variance}");
+        }
+    }
 }

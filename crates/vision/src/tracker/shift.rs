@@ -1,7 +1,6 @@
 //! The one shift by which a camera's jump moves everything: each pair of an established track and a sighting of its
 //! shape votes for one, and the one that brings most tracks to a sighting wins.
 
-use super::association::has_same_shape;
 use super::filter::Sighting;
 use super::{Track, TrackState};
 
@@ -10,8 +9,9 @@ const TOLERANCE_PX: f64 = 3.0;
 const TOLERANCE_SHARE: f64 = 0.15;
 /// One track alone would vouch for any shift.
 const TRACKS_MIN: usize = 2;
-/// Pairs that vote; the number of trials goes with the square.
-const PAIRS_MAX: usize = 256;
+/// Pairs that are looked at, and how many of them, evenly taken, propose a shift: enough for 200 equal discs.
+const PAIRS_MAX: usize = 40_000;
+const PROPOSALS_MAX: usize = 200;
 
 /// Buffers of the search.
 #[derive(Debug, Clone, Default)]
@@ -44,7 +44,7 @@ impl ShiftSearch {
             let here = &followed.ellipse;
             for (sighting, seen) in sightings.iter().enumerate() {
                 let there = &seen.ellipse;
-                if self.pairs.len() < PAIRS_MAX && has_same_shape(here, there) {
+                if self.pairs.len() < PAIRS_MAX && followed.filter.has_shape_of(seen) {
                     self.pairs.push(Pair {
                         track,
                         sighting,
@@ -57,8 +57,9 @@ impl ShiftSearch {
                 }
             }
         }
-        for candidate in 0..self.pairs.len() {
-            self.meet(self.pairs[candidate].shift_px);
+        let stride = self.pairs.len().div_ceil(PROPOSALS_MAX).max(1);
+        for proposal in (0..self.pairs.len()).step_by(stride) {
+            self.meet(self.pairs[proposal].shift_px);
             if self.met.len() > self.best.len() {
                 std::mem::swap(&mut self.met, &mut self.best);
             }

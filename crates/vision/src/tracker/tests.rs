@@ -43,19 +43,24 @@ impl Scene {
                 ..*ellipse
             }
             .canonical();
-            self.detection.ellipses.push(DetectedEllipse {
-                ellipse,
-                score: 0.9,
-                support_share: 1.0,
-                gradient_agreement: 0.9,
-                log10_false_alarms: -20.0,
-                residual_px: 0.3,
-                stroke_width_px: None,
-                support: 0..0,
-                covariance: None,
-            });
+            self.detection.ellipses.push(detected(ellipse));
         }
         &self.detection
+    }
+}
+
+/// As it might come from a detector.
+pub(super) fn detected(ellipse: Ellipse) -> DetectedEllipse {
+    DetectedEllipse {
+        ellipse,
+        score: 0.9,
+        support_share: 1.0,
+        gradient_agreement: 0.9,
+        log10_false_alarms: -20.0,
+        residual_px: 0.3,
+        stroke_width_px: None,
+        support: 0..0,
+        covariance: None,
     }
 }
 
@@ -116,7 +121,7 @@ impl Film {
     }
 }
 
-fn ellipse(x: f64, y: f64, a: f64, b: f64, theta_rad: f64) -> Ellipse {
+pub(super) fn ellipse(x: f64, y: f64, a: f64, b: f64, theta_rad: f64) -> Ellipse {
     Ellipse { center_x_px: x, center_y_px: y, semi_major_px: a, semi_minor_px: b, theta_rad }
 }
 
@@ -215,6 +220,26 @@ fn a_moved_camera_keeps_the_identities() {
     film.show(&[]);
     film.show(&five(-60.0, 35.0));
     assert_eq!(film.ids(&five(-60.0, 35.0)), ids, "{:?}", film.tracks.all());
+}
+
+#[test]
+fn equal_discs_in_disorder_keep_their_identities_too() {
+    let mut film = Film::new(0.2);
+    let discs = |shift_px: f64| -> Vec<Ellipse> {
+        let mut random = Pcg64Mcg::seed_from_u64(3);
+        let cell = |i: u32| {
+            let (column, row) = (f64::from(i % 8), f64::from(i / 8));
+            let (x, y) = (70.0 * column + 35.0, 70.0 * row + 35.0);
+            let mut stray = || 40.0 * random.random::<f64>();
+            ellipse(x + stray() + shift_px, y + stray(), 12.0, 12.0, 0.0)
+        };
+        (0..48).map(cell).collect()
+    };
+    for _ in 0..4 {
+        film.show(&discs(0.0));
+    }
+    film.show(&discs(47.0));
+    assert_eq!(film.ids(&discs(47.0)), (0..48).map(Some).collect::<Vec<_>>());
 }
 
 #[test]

@@ -13,18 +13,21 @@ pub mod detector;
 pub mod draw;
 mod edges;
 pub mod ellipse;
+pub mod evaluate;
 pub mod image;
 #[cfg(feature = "image")]
 pub mod io;
 mod meaning;
 pub mod options;
 pub mod paper;
+pub mod pose;
 mod search;
 mod select;
 mod shape;
 mod support;
 #[cfg(test)]
 mod test_pictures;
+pub mod tracker;
 mod vote;
 
 pub use detection::{DetectedEllipse, Detection, StageCost, Statistics, SupportPoint};
@@ -34,3 +37,4 @@ pub use image::{ColorView, GrayImage, GrayView, ImageError, PixelLayout};
 #[cfg(feature = "image")]
 pub use io::{Picture, PictureError};
 pub use options::{DetectorBuilder, Options, OptionsError, Region, Strokes};
+pub use tracker::{Track, TrackState, Tracker, TrackerOptions};

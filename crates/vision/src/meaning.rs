@@ -7,7 +7,7 @@ use crate::support::Support;
 /// Number of features of the score.
 pub(crate) const FEATURES: usize = 7;
 /// Weights of the features and, last, the constant.
-const WEIGHTS: [f64; FEATURES + 1] = [4.886, 0.498, -2.013, -7.757, 0.452, 1.173, 12.846, -24.564];
+const WEIGHTS: [f64; FEATURES + 1] = [2.695, -2.194, -1.450, -9.469, 0.621, 0.317, 0.168, -7.606];
 
 /// What the score is computed from.
 pub(crate) fn features(ellipse: &Ellipse, support: &Support, log10_false_alarms: f64) -> [f64; FEATURES] {

@@ -7,12 +7,12 @@ use crate::support::Support;
 /// Number of features of the score.
 pub(crate) const FEATURES: usize = 7;
 /// Weights of the features and, last, the constant.
-const WEIGHTS: [f64; FEATURES + 1] = [2.695, -2.194, -1.450, -9.469, 0.621, 0.317, 0.168, -7.606];
+const WEIGHTS: [f64; FEATURES + 1] = [2.291, -5.032, -1.380, -11.671, 0.520, 0.932, 0.125, -7.395];
 
 /// What the score is computed from.
 pub(crate) fn features(ellipse: &Ellipse, support: &Support, log10_false_alarms: f64) -> [f64; FEATURES] {
     [
-        support.share.max(0.01).ln(),
+        (support.share * support.inside).max(0.01).ln(),
         support.gap,
         (1.0 - support.agreement + 1e-3).ln(),
         support.residual,

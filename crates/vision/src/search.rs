@@ -7,7 +7,7 @@ use crate::arc::{Arc, SAMPLES};
 use crate::edges::EdgeMap;
 use crate::options::Options;
 use crate::shape::{Point, Shape};
-use crate::support::{Hit, STEPS_MAX, Support, gather};
+use crate::support::{Along, Hit, STEPS_MAX, Support};
 use crate::vote::Accumulator;
 
 /// An ellipse with what speaks for it.
@@ -32,7 +32,7 @@ pub(crate) struct Search {
     pub(crate) tried: usize,
     pub(crate) truncated: bool,
     accumulator: Accumulator,
-    found: Vec<Hit>,
+    along: Along,
     points: Vec<Point>,
     distances: Vec<f64>,
     order: Vec<u32>,
@@ -196,32 +196,32 @@ impl Search {
         for (cos_min, steps, rounds) in
             [(0.8, 96, 2), (0.87, 96, 2), (0.9, STEPS_MAX, 3), (0.9, STEPS_MAX, 4)]
         {
-            if !within(&shape, options) {
+            if !within(&shape, edges, options) {
                 return None;
             }
             let support =
-                gather(edges, &shape, tolerance, cos_min, steps, &mut self.found);
-            if self.found.len() < 10 || support.share < 0.15 {
+                self.along.gather(edges, &shape, tolerance, cos_min, steps);
+            if self.along.hits.len() < 10 || support.share < 0.15 {
                 return None;
             }
             self.points.clear();
-            self.points.extend(self.found.iter().map(|&hit| {
+            self.points.extend(self.along.hits.iter().map(|&hit| {
                 let point = &edges.points[hit as usize];
                 (f64::from(point.x), f64::from(point.y))
             }));
             shape = shape.fit_distance(&self.points, rounds)?;
             tolerance = if steps < STEPS_MAX { 1.5 } else { self.spread(&shape) };
         }
-        if !within(&shape, options) {
+        if !within(&shape, edges, options) {
             return None;
         }
-        let mut support = gather(edges, &shape, 1.5, 0.9, STEPS_MAX, &mut self.found);
+        let mut support = self.along.gather(edges, &shape, 1.5, 0.9, STEPS_MAX);
         support.clutter = crate::support::clutter(edges, &shape);
-        if self.found.len() < 10 {
+        if self.along.hits.len() < 10 {
             return None;
         }
         let start = self.hits.len();
-        self.hits.extend_from_slice(&self.found);
+        self.hits.extend_from_slice(&self.along.hits);
         let log10_false_alarms = crate::meaning::log10_false_alarms(edges, &support);
         let features =
             crate::meaning::features(&shape.ellipse(), &support, log10_false_alarms);
@@ -242,10 +242,14 @@ impl Search {
     }
 }
 
-fn within(shape: &Shape, options: &Options) -> bool {
+/// Greatest semi-major axis, as a share of the picture's longer side: of a larger ellipse too little is seen.
+const SEMI_MAJOR_SHARE_MAX: f64 = 0.75;
+
+fn within(shape: &Shape, edges: &EdgeMap, options: &Options) -> bool {
     let ellipse = shape.ellipse();
+    let side = edges.map.width().max(edges.map.height()) as f64;
     ellipse.semi_minor_px >= options.semi_axis_min_px
-        && ellipse.semi_major_px <= options.semi_axis_max_px
+        && ellipse.semi_major_px <= options.semi_axis_max_px.min(SEMI_MAJOR_SHARE_MAX * side)
         && ellipse.semi_minor_px >= options.axis_ratio_min * ellipse.semi_major_px
 }
 

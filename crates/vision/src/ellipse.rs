@@ -5,6 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+mod overlap;
+
 /// An ellipse by centre, semi-axes and angle: the five values of the paper's feature vector (9).
 ///
 /// The paper's tables say "major axis" and "minor axis" where they print semi-axes; here the word is always spelled out.
@@ -21,9 +23,6 @@ pub struct Ellipse {
     /// Angle of the major axis from +x towards +y, radians; `[0, π)` in canonical form.
     pub theta_rad: f64,
 }
-
-/// Samples along the longer side of the joint bounding box in [`Ellipse::overlap`].
-const OVERLAP_SAMPLES: f64 = 192.0;
 
 impl Ellipse {
     /// The same ellipse with `semi_major_px >= semi_minor_px` and `theta_rad` in `[0, π)`.
@@ -103,34 +102,6 @@ impl Ellipse {
     pub fn paper_alpha(&self) -> Option<f64> {
         let (sin, cos) = self.theta_rad.sin_cos();
         (cos.abs() > 1e-9).then(|| (sin / cos).tan())
-    }
-
-    /// Area of the intersection over area of the union of the two filled ellipses, in `0..=1`, sampled on a grid of
-    /// 192 cells along the longer side of the joint bounding box. This is the usual score of a detection.
-    pub fn overlap(&self, other: &Self) -> f64 {
-        let (w, h) = self.half_extent_px();
-        let (ow, oh) = other.half_extent_px();
-        let left = (self.center_x_px - w).min(other.center_x_px - ow);
-        let right = (self.center_x_px + w).max(other.center_x_px + ow);
-        let top = (self.center_y_px - h).min(other.center_y_px - oh);
-        let bottom = (self.center_y_px + h).max(other.center_y_px + oh);
-        let step = (right - left).max(bottom - top) / OVERLAP_SAMPLES;
-        if !(step > 0.0 && step.is_finite()) {
-            return 0.0;
-        }
-        let (mut both, mut either) = (0_u32, 0_u32);
-        let mut y = top + step / 2.0;
-        while y < bottom {
-            let mut x = left + step / 2.0;
-            while x < right {
-                let (here, there) = (self.contains(x, y), other.contains(x, y));
-                both += u32::from(here && there);
-                either += u32::from(here || there);
-                x += step;
-            }
-            y += step;
-        }
-        if either == 0 { 0.0 } else { f64::from(both) / f64::from(either) }
     }
 
     /// `count` points of the contour at equal steps of the parameter, as `(x, y)` in pixels, starting at an end of the

@@ -10,6 +10,7 @@ pub mod detector;
 #[cfg(feature = "image")]
 pub mod draw;
 pub mod ellipse;
+pub mod evaluate;
 pub mod image;
 #[cfg(feature = "image")]
 pub mod io;

@@ -6,6 +6,7 @@ mod demo;
 mod detect;
 mod do_primitives;
 mod doctor;
+mod eval;
 mod init;
 mod look;
 mod play;
@@ -38,6 +39,7 @@ pub(crate) enum Command {
     Look(look::Cmd),
     Snapshot(snapshot::Cmd),
     Detect(detect::Cmd),
+    Eval(eval::Cmd),
     Sim(sim::Cmd),
     Completions(completions::Cmd),
 }
@@ -58,6 +60,7 @@ impl Command {
             Self::Look(cmd) => cmd.run(context, out),
             Self::Snapshot(cmd) => cmd.run(context, out),
             Self::Detect(cmd) => cmd.run(context, out),
+            Self::Eval(cmd) => cmd.run(context, out),
             Self::Sim(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),
         }

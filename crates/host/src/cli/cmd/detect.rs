@@ -15,10 +15,12 @@ use std::path::PathBuf;
 use clap::Args;
 use rsapien_vision::Picture;
 
+pub(super) use self::inputs::read;
 use self::places::Places;
-use self::preset::{DetectorOptions, Preset};
-use self::search::{Either, Found, Search};
-pub(super) use self::stages::save;
+pub(super) use self::preset::{DetectorOptions, Preset};
+use self::search::Either;
+pub(super) use self::search::{Found, Search};
+pub(super) use self::stages::{save, save_gray};
 use self::tables::Tables;
 pub(super) use self::tuning::AxisRange;
 use super::snapshot;
@@ -150,7 +152,10 @@ impl Cmd {
     /// The detector asked for, once nothing that was given contradicts it.
     fn search(&self, context: &Context) -> Result<Search> {
         let preset = self.detector.preset(self.table.then_some("--table"))?;
-        self.detector.check_output(context.style.json)?;
+        if let (Some(flag), false) = (self.detector.detail(), context.style.json) {
+            return Err(Failure::new(format!("{flag} is told in JSON alone"))
+                .hint(format!("add --json, or leave {flag} out")));
+        }
         if preset == Preset::Default && self.stages.is_some() {
             return Err(Failure::new("--stages writes the stages of the paper's detector")
                 .hint("add --preset paper"));

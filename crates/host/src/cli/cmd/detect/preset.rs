@@ -1,6 +1,5 @@
 //! Which detector, and the options of the default one.
 
-use std::fmt;
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
@@ -19,12 +18,13 @@ pub(in crate::cli::cmd) enum Preset {
     Paper,
 }
 
-impl fmt::Display for Preset {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
+impl Preset {
+    /// Its name on the command line.
+    pub(in crate::cli::cmd) fn name(self) -> &'static str {
+        match self {
             Self::Default => "default",
             Self::Paper => "paper",
-        })
+        }
     }
 }
 
@@ -150,14 +150,10 @@ impl DetectorOptions {
         })
     }
 
-    /// Refuses what only `--json` tells, where it is not asked for.
-    pub(super) fn check_output(&self, is_json: bool) -> Result<()> {
+    /// The first flag given that asks for something about each ellipse which only JSON can tell.
+    pub(in crate::cli::cmd) fn detail(&self) -> Option<&'static str> {
         let flags = [(self.tuning.points, "--points"), (self.tuning.covariance, "--covariance")];
-        match flags.into_iter().find(|(is_given, _)| *is_given && !is_json) {
-            Some((_, flag)) => Err(Failure::new(format!("{flag} is told in JSON alone"))
-                .hint(format!("add --json, or leave {flag} out"))),
-            None => Ok(()),
-        }
+        flags.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag))
     }
 
     /// The threads that detections run on.

@@ -23,7 +23,8 @@ pub(in crate::cli::cmd) fn save(picture: &Picture, path: &Path) -> Result<()> {
     picture.save_png(path).map_err(|error| diagnostics::picture(path, &error))
 }
 
-fn save_gray(gray: &GrayImage, path: &Path) -> Result<()> {
+/// Writes a grey picture as PNG.
+pub(in crate::cli::cmd) fn save_gray(gray: &GrayImage, path: &Path) -> Result<()> {
     save_gray_png(gray, path).map_err(|error| diagnostics::picture(path, &error))
 }
 

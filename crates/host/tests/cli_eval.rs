@@ -92,3 +92,19 @@ fn what_cannot_be_scored_says_what_is_wanted() {
     fs::write(user.path("data/one/gt/a.json"), "{}").unwrap();
     user.expect(2, &["eval", "--data", "data"]).told(&["data/one/gt/a.json", "image"]);
 }
+
+#[test]
+fn costs_are_told_for_every_preset_and_size() {
+    let user = User::new();
+    let common = ["bench-detect", "--sizes", "64x48,128x96", "--repeat", "1"];
+    let run = user.expect(0, &[&common[..], &["--csv", "--plot", "cost.svg"]].concat());
+    let lines: Vec<_> = run.stdout.lines().collect();
+    assert_eq!(lines.len(), 5, "{}", run.stdout);
+    assert!(lines[0].starts_with("preset,width,height,ms,"), "{}", lines[0]);
+    assert!(lines[1].starts_with("default,64,48,") && lines[4].starts_with("paper,128,96,"));
+    let svg = fs::read_to_string(user.path("cost.svg")).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.contains(">paper</text>"), "{svg}");
+    user.expect(0, &[&common[..], &["--presets", "paper", "--scenes", "scenes"]].concat());
+    assert!(is_png(&user.path("scenes/scene-128x96-2.png")));
+    user.expect(2, &["bench-detect", "--sizes", "640"]).told(&["640x480"]);
+}

@@ -5,7 +5,7 @@ mod support;
 
 use support::User;
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 16] = [
     "demo",
     "ports",
     "doctor",
@@ -19,6 +19,7 @@ const COMMANDS: [&str; 15] = [
     "snapshot",
     "detect",
     "eval",
+    "bench-detect",
     "sim",
     "completions",
 ];

@@ -1,6 +1,7 @@
 //! The subcommands, one a file.
 
 mod actions;
+mod bench_detect;
 mod completions;
 mod demo;
 mod detect;
@@ -40,6 +41,7 @@ pub(crate) enum Command {
     Snapshot(snapshot::Cmd),
     Detect(detect::Cmd),
     Eval(eval::Cmd),
+    BenchDetect(bench_detect::Cmd),
     Sim(sim::Cmd),
     Completions(completions::Cmd),
 }
@@ -61,6 +63,7 @@ impl Command {
             Self::Snapshot(cmd) => cmd.run(context, out),
             Self::Detect(cmd) => cmd.run(context, out),
             Self::Eval(cmd) => cmd.run(context, out),
+            Self::BenchDetect(cmd) => cmd.run(context, out),
             Self::Sim(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),
         }

@@ -34,6 +34,8 @@ pub struct DetectedEllipse {
     /// [`Options::covariance`](crate::Options::covariance) asks for it. The angle of a circle is undetermined and its
     /// variance large.
     pub covariance: Option<[[f64; 5]; 5]>,
+    #[doc(hidden)]
+    pub dev: [f64; 7],
 }
 
 /// An edge point on a contour.

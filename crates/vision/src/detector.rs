@@ -1,15 +1,26 @@
 //! The detector.
 
-use crate::detection::Detection;
+use std::time::Instant;
+
+use crate::arc::Arcs;
+use crate::chain::Chains;
+use crate::detection::{Detection, StageCost, Statistics};
+use crate::edges::EdgeMap;
 use crate::ellipse::Ellipse;
 use crate::image::GrayView;
 use crate::options::{DetectorBuilder, Options, OptionsError};
+use crate::search::Search;
+use crate::select::select;
 
 /// Finds ellipses. Keeps its buffers from picture to picture, so that in a series of pictures of one size nothing is
 /// allocated once they have grown.
 #[derive(Debug, Clone, Default)]
 pub struct Detector {
     options: Options,
+    edges: EdgeMap,
+    chains: Chains,
+    arcs: Arcs,
+    search: Search,
     detection: Detection,
 }
 
@@ -35,7 +46,31 @@ impl Detector {
 
     /// Finds the ellipses of a picture. The result stays in the detector until the next picture; clone it to keep it.
     pub fn detect(&mut self, picture: &GrayView<'_>) -> &Detection {
-        let _ = picture;
+        let start = Instant::now();
+        self.edges.find(picture);
+        let edges_at = Instant::now();
+        self.chains.link(&self.edges);
+        self.arcs.cut(&mut self.chains, 0.8);
+        let arcs_at = Instant::now();
+        self.search.run(&self.edges, &self.arcs.arcs, &self.options);
+        let search_at = Instant::now();
+        select(&mut self.search, &self.edges, &self.options, &mut self.detection);
+        let detection = &mut self.detection;
+        detection.truncated = self.search.truncated;
+        detection.statistics = Statistics {
+            edge_points: self.edges.points.len(),
+            chains: self.chains.chains.len(),
+            arcs: self.arcs.arcs.len(),
+            pairs: self.search.pairs,
+            candidates: self.search.tried,
+            accepted: self.search.candidates.len(),
+        };
+        detection.cost = StageCost {
+            edges: edges_at - start,
+            arcs: arcs_at - edges_at,
+            search: search_at - arcs_at,
+            selection: search_at.elapsed(),
+        };
         &self.detection
     }
 

@@ -104,6 +104,31 @@ impl Ellipse {
         (cos.abs() > 1e-9).then(|| (sin / cos).tan())
     }
 
+    /// Area of the intersection over area of the union, by the radii of both contours around this one's centre at 32
+    /// angles; 0 when the centre lies outside the other ellipse, where the overlap is below one half or so.
+    pub(crate) fn overlap_star(&self, other: &Self) -> f64 {
+        let (u, v) = other.local(self.center_x_px, self.center_y_px);
+        let (a2, b2) = (other.semi_major_px.powi(2), other.semi_minor_px.powi(2));
+        let level = u * u / a2 + v * v / b2 - 1.0;
+        if level >= 0.0 {
+            return 0.0;
+        }
+        let (sin, cos) = axis_difference_rad(other.theta_rad, self.theta_rad).sin_cos();
+        let (mut both, mut either) = (0.0, 0.0);
+        for i in 0..32 {
+            let (across, along) = (TAU * f64::from(i) / 32.0).sin_cos();
+            // At equal steps of the parameter of this ellipse, scaled to the unit circle, areas are sums of squares.
+            let (x, y) = (along * self.semi_major_px, across * self.semi_minor_px);
+            let (du, dv) = (x * cos - y * sin, x * sin + y * cos);
+            let quadratic = du * du / a2 + dv * dv / b2;
+            let half = u * du / a2 + v * dv / b2;
+            let reach = ((half * half - quadratic * level).sqrt() - half) / quadratic;
+            both += reach.min(1.0).powi(2);
+            either += reach.max(1.0).powi(2);
+        }
+        both / either
+    }
+
     /// `count` points of the contour at equal steps of the parameter, as `(x, y)` in pixels, starting at an end of the
     /// major axis.
     pub fn outline(&self, count: u32) -> impl Iterator<Item = (f64, f64)> + '_ {

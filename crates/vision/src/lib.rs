@@ -5,19 +5,30 @@
 // The hot loops must be inlined into the function that is compiled for several instruction sets.
 #![allow(clippy::inline_always)]
 
+mod arc;
+mod chain;
 pub mod detection;
 pub mod detector;
 #[cfg(feature = "image")]
 pub mod draw;
+mod edges;
 pub mod ellipse;
 pub mod evaluate;
 pub mod image;
 #[cfg(feature = "image")]
 pub mod io;
+mod meaning;
 pub mod options;
 pub mod paper;
+pub mod pose;
+mod search;
+mod select;
+mod shape;
+mod support;
 #[cfg(test)]
 mod test_pictures;
+pub mod tracker;
+mod vote;
 
 pub use detection::{DetectedEllipse, Detection, StageCost, Statistics, SupportPoint};
 pub use detector::Detector;
@@ -26,3 +37,4 @@ pub use image::{ColorView, GrayImage, GrayView, ImageError, PixelLayout};
 #[cfg(feature = "image")]
 pub use io::{Picture, PictureError};
 pub use options::{DetectorBuilder, Options, OptionsError, Region, Strokes};
+pub use tracker::{Track, TrackState, Tracker, TrackerOptions};

@@ -59,7 +59,7 @@ pub struct Region {
 /// Everything that steers a detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Least semi-minor axis in pixels, `3..=16384`. Below 3 px a contour has too few pixels to tell it from noise.
+    /// Least semi-minor axis in pixels, `1.5..=16384`. Below that a contour has too few pixels to tell it from noise.
     pub semi_axis_min_px: f64,
     /// Greatest semi-major axis in pixels, from the least semi-axis to 16384.
     pub semi_axis_max_px: f64,
@@ -83,7 +83,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            semi_axis_min_px: 3.0,
+            semi_axis_min_px: 2.0,
             semi_axis_max_px: SIDE_PX_MAX as f64,
             axis_ratio_min: 0.2,
             score_min: 0.5,
@@ -103,7 +103,7 @@ impl Options {
     /// The first field outside its range, by name, with its value and the range.
     pub fn validate(&self) -> Result<(), OptionsError> {
         let side_px = SIDE_PX_MAX as f64;
-        check("semi_axis_min_px", self.semi_axis_min_px, 3.0, side_px)?;
+        check("semi_axis_min_px", self.semi_axis_min_px, 1.5, side_px)?;
         check("semi_axis_max_px", self.semi_axis_max_px, self.semi_axis_min_px, side_px)?;
         check("axis_ratio_min", self.axis_ratio_min, 0.05, 1.0)?;
         check("score_min", self.score_min, 0.0, 1.0)?;
@@ -199,8 +199,8 @@ mod tests {
             change(&mut options);
             options.validate().unwrap_err().field
         };
-        assert_eq!(refused(|o| o.semi_axis_min_px = 2.0), "semi_axis_min_px");
-        assert_eq!(refused(|o| o.semi_axis_max_px = 2.9), "semi_axis_max_px");
+        assert_eq!(refused(|o| o.semi_axis_min_px = 1.4), "semi_axis_min_px");
+        assert_eq!(refused(|o| o.semi_axis_max_px = 1.9), "semi_axis_max_px");
         assert_eq!(refused(|o| o.axis_ratio_min = f64::NAN), "axis_ratio_min");
         assert_eq!(refused(|o| o.score_min = 1.1), "score_min");
         assert_eq!(

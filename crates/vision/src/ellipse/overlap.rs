@@ -156,8 +156,13 @@ mod tests {
     use proptest::prelude::*;
 
     fn ellipse(values: [f64; 5]) -> Ellipse {
-        let [center_x_px, center_y_px, semi_major_px, semi_minor_px, theta_rad] = values;
-        Ellipse { center_x_px, center_y_px, semi_major_px, semi_minor_px, theta_rad }
+        Ellipse {
+            center_x_px: values[0],
+            center_y_px: values[1],
+            semi_major_px: values[2],
+            semi_minor_px: values[3],
+            theta_rad: values[4],
+        }
     }
 
     #[test]

@@ -3,16 +3,14 @@
 use super::*;
 
 fn ellipses(values: &[[f64; 5]]) -> Vec<Ellipse> {
-    values
-        .iter()
-        .map(|&[center_x_px, center_y_px, semi_major_px, semi_minor_px, theta_rad]| Ellipse {
-            center_x_px,
-            center_y_px,
-            semi_major_px,
-            semi_minor_px,
-            theta_rad,
-        })
-        .collect()
+    let ellipse = |value: &[f64; 5]| Ellipse {
+        center_x_px: value[0],
+        center_y_px: value[1],
+        semi_major_px: value[2],
+        semi_minor_px: value[3],
+        theta_rad: value[4],
+    };
+    values.iter().map(ellipse).collect()
 }
 
 /// Two pictures and what was found in them, and one that was not run. In the first a double of the first two, one whose
@@ -63,7 +61,9 @@ fn figures_are_those_of_the_reference() {
             summary.add(&score);
         }
     }
-    summaries.iter_mut().for_each(|summary| summary.add_missing(&not_run));
+    for summary in &mut summaries {
+        summary.add_missing(&not_run);
+    }
     // Matched pairs, then mean overlap and median errors of centre and semi-axes.
     let expected = [(5, 0.8599, 3.041, 0.0), (4, 0.932, 1.738, 0.25), (3, 0.9606, 1.414, 0.5)];
     for (summary, (matched, overlap, center_px, axis_px)) in summaries.iter().zip(expected) {

@@ -1,0 +1,151 @@
+//! Edge points linked to chains, one pixel wide, with the bright side on one hand all along.
+//!
+//! Every point looks for its successor: the nearest point ahead, at right angles to the gradient, whose gradient points
+//! nearly the same way. A point that two would follow keeps the nearer one. What remains are open chains and rings
+//! (Grompone von Gioi and Randall 2017, as in [`edges`](crate::edges)).
+
+use std::ops::Range;
+
+use crate::edges::{EdgeMap, EdgePoint};
+
+/// No point.
+const NONE: u32 = u32::MAX;
+/// Least cosine between the gradients of neighbours.
+const AGREEMENT_MIN: f32 = 0.5;
+/// Chains with fewer points are left out.
+const POINTS_MIN: usize = 8;
+
+/// A run of [`Chains::points`].
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Chain {
+    pub(crate) range: Range<usize>,
+    /// Whether the last point is followed by the first.
+    pub(crate) is_ring: bool,
+}
+
+/// The chains of a picture.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Chains {
+    /// Points chain by chain, in the order of travel, the gradient on the same hand.
+    pub(crate) points: Vec<EdgePoint>,
+    pub(crate) chains: Vec<Chain>,
+    next: Vec<u32>,
+    previous: Vec<u32>,
+}
+
+impl Chains {
+    /// Links the points of `edges`, in place of those of the picture before.
+    pub(crate) fn link(&mut self, edges: &EdgeMap) {
+        let count = edges.points.len();
+        for links in [&mut self.next, &mut self.previous] {
+            links.clear();
+            links.resize(count, NONE);
+        }
+        let mut number = 0_u32;
+        for y in 0..edges.map.height() {
+            for (word_at, &word) in edges.map.row(y).iter().enumerate() {
+                let mut bits = word;
+                while bits != 0 {
+                    let x = word_at as i32 * 64 + bits.trailing_zeros() as i32;
+                    bits &= bits - 1;
+                    self.link_point(edges, number, x, y as i32);
+                    number += 1;
+                }
+            }
+        }
+        self.collect(edges);
+    }
+
+    #[inline(always)]
+    fn link_point(&mut self, edges: &EdgeMap, number: u32, x: i32, y: i32) {
+        let points = &edges.points[..];
+        let here = points[number as usize];
+        let mut best = (f32::INFINITY, NONE);
+        let mut look = |other: u32| {
+            let there = points[other as usize];
+            let (dx, dy) = (there.x - here.x, there.y - here.y);
+            let ahead = dy * here.gradient_x - dx * here.gradient_y;
+            let agreement =
+                here.gradient_x * there.gradient_x + here.gradient_y * there.gradient_y;
+            let distance2 = dx * dx + dy * dy;
+            if ahead > 0.0 && agreement > AGREEMENT_MIN && distance2 < best.0 {
+                best = (distance2, other);
+            }
+        };
+        for row in y - 1..=y + 1 {
+            edges.map.visit_run(x, row, 1, &mut look);
+        }
+        if best.1 == NONE {
+            let mut look = |other: u32| {
+                let there = points[other as usize];
+                let (dx, dy) = (there.x - here.x, there.y - here.y);
+                let ahead = dy * here.gradient_x - dx * here.gradient_y;
+                let agreement =
+                    here.gradient_x * there.gradient_x + here.gradient_y * there.gradient_y;
+                let distance2 = dx * dx + dy * dy;
+                // Across a gap a point has to lie well ahead.
+                if ahead * ahead > 0.5 * distance2
+                    && ahead > 0.0
+                    && agreement > 0.8
+                    && distance2 < best.0
+                {
+                    best = (distance2, other);
+                }
+            };
+            for row in y - 2..=y + 2 {
+                edges.map.visit_run(x, row, 2, &mut look);
+            }
+        }
+        let (distance2, successor) = best;
+        if successor == NONE {
+            return;
+        }
+        let rival = self.previous[successor as usize];
+        if rival != NONE {
+            let rival_point = points[rival as usize];
+            let there = points[successor as usize];
+            let rival2 = (there.x - rival_point.x).powi(2) + (there.y - rival_point.y).powi(2);
+            if rival2 <= distance2 {
+                return;
+            }
+            self.next[rival as usize] = NONE;
+        }
+        self.next[number as usize] = successor;
+        self.previous[successor as usize] = number;
+    }
+
+    /// Follows the links: open chains from their first points, then rings.
+    fn collect(&mut self, edges: &EdgeMap) {
+        self.points.clear();
+        self.chains.clear();
+        for start in 0..edges.points.len() {
+            if self.previous[start] == NONE {
+                self.follow(edges, start, false);
+            }
+        }
+        for start in 0..edges.points.len() {
+            if self.next[start] != NONE {
+                self.follow(edges, start, true);
+            }
+        }
+    }
+
+    /// Takes the chain from `start` and its links.
+    fn follow(&mut self, edges: &EdgeMap, start: usize, is_ring: bool) {
+        let first = self.points.len();
+        let mut at = start;
+        loop {
+            self.points.push(edges.points[at]);
+            let next = std::mem::replace(&mut self.next[at], NONE);
+            if next == NONE || next as usize == start {
+                break;
+            }
+            at = next as usize;
+        }
+        if self.points.len() - first < POINTS_MIN {
+            self.points.truncate(first);
+        } else {
+            self.chains.push(Chain { range: first..self.points.len(), is_ring });
+        }
+    }
+}

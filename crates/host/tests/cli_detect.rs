@@ -74,9 +74,13 @@ fn the_default_detector_finds_it_between_pixels_and_tells_what_speaks_for_it() {
         assert!(error < 0.5, "{index}: {answer}");
     }
     let (score, details) = (answer["scores"][0].as_f64().unwrap(), &answer["details"][0]);
-    let share = details["support_share"].as_f64().unwrap();
-    let agreement = details["gradient_agreement"].as_f64().unwrap();
-    assert!(score > 0.8 && (score - share * agreement).abs() < 1e-9, "{answer}");
+    assert!(score > 0.8 && score <= 1.0, "{answer}");
+    for share in ["support_share", "gradient_agreement"] {
+        assert!(
+            details[share].as_f64().is_some_and(|share| share > 0.8 && share <= 1.0),
+            "{answer}"
+        );
+    }
     assert!(details["log10_false_alarms"].as_f64().unwrap() < -10.0, "{answer}");
     assert!(details["points"].as_array().unwrap().len() > 100, "{answer}");
     let covariance = details["covariance"].as_array().unwrap();
@@ -108,7 +112,7 @@ fn each_option_is_heard_by_its_own_detector_or_refused() {
     refused(&["--preset", "paper", "--min-axis", "9"], &["--min-axis", "--semi-minor"]);
     refused(&["--table", "--min-score", "0.5"], &["--table", "--min-score"]);
     refused(&["--stages", "folder"], &["--preset paper"]);
-    refused(&["--min-axis", "2"], &["semi_axis_min_px is 2", "--min-axis"]);
+    refused(&["--min-axis", "1"], &["semi_axis_min_px is 1", "--min-axis"]);
     refused(&["--min-score", "2"], &["score_min is 2", "0 to 1"]);
     refused(&["--region", "1,2,3"], &["100,50,320,240"]);
     refused(&["--points"], &["--json"]);

@@ -89,7 +89,7 @@ class Ellipse:
         """Angle of the major axis from +x towards +y, in radians."""
     @property
     def score(self) -> Optional[float]:
-        """How much speaks for it, 0 to 1: ``support_share`` times ``gradient_agreement``.
+        """How much speaks for it, 0 to 1.
 
         This and what follows is ``None`` for an ellipse that the default detector did not find.
         """
@@ -216,7 +216,7 @@ def detect(
     ``uint16`` of shape (height, width), of which the upper 8 bits are looked at. A C-contiguous 8-bit grey
     picture is not copied; do not write to it meanwhile, since other threads run during a detection.
 
-    Of ``preset="default"``: ``semi_axis_min`` (3) and ``semi_axis_max`` bound the semi-minor and the
+    Of ``preset="default"``: ``semi_axis_min`` (2) and ``semi_axis_max`` bound the semi-minor and the
     semi-major axis in pixels, ``axis_ratio_min`` (0.2) their ratio, ``score_min`` (0.5) the score;
     ``region`` is the part of the picture looked at, (left, top, width, height); ``strokes`` tells of a
     drawn ring its middle line (``"middle"``) or both its edges (``"edges"``); ``support_points`` and

@@ -54,7 +54,7 @@ pub(in crate::cli::cmd) struct DetectorOptions {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Options of the preset default")]
 struct DefaultTuning {
-    #[arg(long, value_name = "PX", allow_negative_numbers = true, help = preset("Least semi-minor axis in pixels, 3 or more", |options| options.semi_axis_min_px))]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, help = preset("Least semi-minor axis in pixels, 1.5 or more", |options| options.semi_axis_min_px))]
     min_axis: Option<f64>,
 
     #[arg(long, value_name = "PX", allow_negative_numbers = true, help = preset("Greatest semi-major axis in pixels", |options| options.semi_axis_max_px))]
@@ -63,7 +63,7 @@ struct DefaultTuning {
     #[arg(long, value_name = "RATIO", allow_negative_numbers = true, help = preset("Least ratio of the semi-minor to the semi-major axis, 0.05 to 1", |options| options.axis_ratio_min))]
     min_ratio: Option<f64>,
 
-    #[arg(long, value_name = "S", allow_negative_numbers = true, help = preset("Least score, 0 to 1: the share of the contour seen, times how well the edges' directions agree", |options| options.score_min))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, help = preset("Least score, 0 to 1: how much speaks for an ellipse", |options| options.score_min))]
     min_score: Option<f64>,
 
     /// Look only at this part of the picture, in pixels: left, top, width, height; results stay those of the whole

@@ -5,7 +5,7 @@ mod support;
 
 use support::User;
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "demo",
     "ports",
     "doctor",
@@ -18,6 +18,7 @@ const COMMANDS: [&str; 14] = [
     "look",
     "snapshot",
     "detect",
+    "watch",
     "sim",
     "completions",
 ];

@@ -14,6 +14,7 @@ mod sim;
 mod snapshot;
 mod state;
 mod stop;
+mod watch;
 
 use std::io::Write;
 
@@ -38,6 +39,7 @@ pub(crate) enum Command {
     Look(look::Cmd),
     Snapshot(snapshot::Cmd),
     Detect(detect::Cmd),
+    Watch(watch::Cmd),
     Sim(sim::Cmd),
     Completions(completions::Cmd),
 }
@@ -58,6 +60,7 @@ impl Command {
             Self::Look(cmd) => cmd.run(context, out),
             Self::Snapshot(cmd) => cmd.run(context, out),
             Self::Detect(cmd) => cmd.run(context, out),
+            Self::Watch(cmd) => cmd.run(context, out),
             Self::Sim(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),
         }

@@ -46,6 +46,9 @@ pub use taken::Taken;
 pub use webcam::Webcam;
 pub use y4m::Y4mStream;
 
+/// Without a film in so many bytes, there is none.
+const BYTES_BEFORE_FIRST_MAX: u64 = 16 << 20;
+
 /// One picture of a source.
 #[derive(Debug, Clone)]
 pub struct Frame {
@@ -179,7 +182,7 @@ pub enum VideoError {
     },
     /// Nothing came that looks like a film.
     #[error(
-        "neither Y4M nor MJPEG came in the first {bytes} bytes; with ffmpeg, -f yuv4mpegpipe or -f mjpeg makes them"
+        "no film came in the first {bytes} bytes, neither Y4M nor MJPEG; with ffmpeg, -f yuv4mpegpipe or -f mjpeg makes them"
     )]
     NoVideo {
         /// How much was looked at.
@@ -231,7 +234,7 @@ pub enum VideoError {
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// The source's thread ended without a word.
-    #[error("the source broke off: its decoder failed on a picture")]
+    #[error("the source broke off: the thread that reads it has ended")]
     Died,
 }
 

@@ -1,5 +1,6 @@
 //! `rsapien watch`: films that the tests make, a browser, a camera, and sources that behave badly.
 #![cfg(feature = "cli")]
+#![allow(clippy::cast_precision_loss)]
 
 mod support;
 
@@ -120,7 +121,7 @@ fn a_drawn_film_can_be_watched_again_and_a_folder_gives_names() {
     let run = user.run(&["watch", "folder", "--mjpeg", "found.mjpeg", "--json"]);
     let names: Vec<Value> = run.json_lines().iter().map(|line| line["image"].clone()).collect();
     assert_eq!(names, ["shot1.jpg", "shot2.jpg", "shot10.jpg"]);
-    run.told(&["left out shot3.jpg", "1 pictures left out"]);
+    run.told(&["left out shot3.jpg", "1 picture left out"]);
 
     let again = user.run(&["watch", "found.mjpeg", "--every-frame"]);
     assert_eq!(again.json_lines().len(), 3, "{}", again.stderr);
@@ -149,7 +150,7 @@ fn a_source_that_stalls_and_sends_rubbish_is_told_and_survived() {
     input.write_all(&jpeg(2)[..500]).unwrap();
     drop(input);
     told(&mut stderr, "it breaks off after 500 bytes");
-    told(&mut stderr, "1 pictures left out; 200 bytes skipped");
+    told(&mut stderr, "1 picture left out; 200 bytes skipped");
     assert_eq!(Run::of_child(child).json_lines().len(), 2);
 }
 

@@ -81,8 +81,11 @@ impl Live {
     pub fn start(source: Box<dyn FrameSource>, delivery: Delivery) -> Self {
         let shared = Arc::new(Shared::default());
         let for_thread = Ending(Arc::clone(&shared));
-        // Not joined: it may be waiting for a source that never speaks again.
-        thread::spawn(move || for_thread.read(source, delivery));
+        // Not joined: it may be waiting for a source that never speaks again. One that cannot be made drops its side,
+        // which tells the other.
+        let _ = thread::Builder::new()
+            .name("source".to_owned())
+            .spawn(move || for_thread.read(source, delivery));
         Self { shared }
     }
 

@@ -162,13 +162,15 @@ impl fmt::Display for Summary {
         let Self { elapsed_s, frames, rates, counts } = self;
         write!(formatter, "{frames} frames in {elapsed_s:.1} s: {rates}")?;
         let Counts { bad_pictures, skipped_bytes, losses, .. } = counts;
-        for (count, what) in [
-            (bad_pictures, "pictures left out"),
-            (skipped_bytes, "bytes skipped"),
-            (losses, "tries without connection"),
+        for (count, one, many) in [
+            (*bad_pictures, "picture left out", "pictures left out"),
+            (*skipped_bytes, "byte skipped", "bytes skipped"),
+            (*losses, "try without connection", "tries without connection"),
         ] {
-            if *count > 0 {
-                write!(formatter, "; {count} {what}")?;
+            match count {
+                0 => {}
+                1 => write!(formatter, "; 1 {one}")?,
+                _ => write!(formatter, "; {count} {many}")?,
             }
         }
         Ok(())
@@ -200,7 +202,7 @@ mod tests {
         let summary = meter.summary(after(4000), Counts { losses: 1, ..counts(6, 2) });
         assert_eq!(
             summary.to_string(),
-            "4 frames in 4.0 s: 1.5 frames/s in, 1.0 looked at, 2 dropped; delay 6.0 ms, at most 300.0; 1 tries \
+            "4 frames in 4.0 s: 1.5 frames/s in, 1.0 looked at, 2 dropped; delay 6.0 ms, at most 300.0; 1 try \
              without connection"
         );
         assert!(meter.rates(after(9000), counts(6, 2)).is_some_and(|rates| rates.in_hz == 0.0));

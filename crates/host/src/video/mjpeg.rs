@@ -8,7 +8,9 @@ use std::io::{ErrorKind, Read};
 
 use rsapien_vision::Picture;
 
-use super::{FrameSource, Next, SourceOptions, Ticker, Trouble, VideoError};
+use super::{
+    BYTES_BEFORE_FIRST_MAX, FrameSource, Next, SourceOptions, Ticker, Trouble, VideoError,
+};
 
 /// Largest picture taken from a stream, in bytes.
 pub const PICTURE_BYTES_MAX: usize = 32 << 20;
@@ -16,8 +18,6 @@ pub const PICTURE_BYTES_MAX: usize = 32 << 20;
 const HEAD_BYTES_MAX: usize = 4096;
 /// After so much rubbish at once a word is said.
 const SKIPPED_AT_ONCE: u64 = 1 << 20;
-/// Without a picture in so many bytes, it is no MJPEG.
-const BYTES_BEFORE_FIRST_MAX: u64 = 16 << 20;
 /// How much is read at once.
 const READ_BYTES: usize = 1 << 16;
 
@@ -431,7 +431,7 @@ mod tests {
     #[test]
     fn rubbish_is_bounded_in_memory_and_told_and_without_a_picture_it_ends() {
         let mut splitter = Splitter::default();
-        let rubbish: Vec<u8> = (0..READ_BYTES).map(|index| (index % 251) as u8).collect();
+        let rubbish: Vec<u8> = (0..=250).cycle().take(READ_BYTES).collect();
         let mut told = 0;
         for _ in 0..64 {
             splitter.push(&rubbish);

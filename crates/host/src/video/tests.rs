@@ -20,6 +20,7 @@ pub(super) fn drain(
 
 /// A JPEG picture of this size, with something in it.
 pub(super) fn jpeg(width: usize, height: usize) -> Vec<u8> {
-    let pixels = (0..width * height * 3).map(|index| (index * 7 % 256) as u8).collect();
+    let pixels =
+        (0..width * height * 3).map(|index| index.wrapping_mul(7).to_le_bytes()[0]).collect();
     encode_jpeg(&Picture::new(pixels, width, height).unwrap()).unwrap()
 }

@@ -7,7 +7,9 @@ use rsapien_vision::image::check_size;
 use rsapien_vision::{GrayImage, Picture};
 
 use super::yuv::{Planes, Range};
-use super::{FrameSource, Next, SourceOptions, Ticker, Trouble, VideoError};
+use super::{
+    BYTES_BEFORE_FIRST_MAX, FrameSource, Next, SourceOptions, Ticker, Trouble, VideoError,
+};
 
 /// What every film begins with.
 pub(super) const MAGIC: &[u8] = b"YUV4MPEG2 ";
@@ -104,6 +106,8 @@ pub struct Y4mStream<R> {
     /// Read already, and still to be acted on.
     mark: Option<Mark>,
     planes: Vec<u8>,
+    /// Bytes skipped in all.
+    skipped: u64,
     is_over: bool,
 }
 
@@ -117,6 +121,7 @@ impl<R: Read + Send> Y4mStream<R> {
             ticker: Ticker::new(options.frame_rate),
             mark: None,
             planes: Vec::new(),
+            skipped: 0,
             is_over: false,
         }
     }
@@ -225,6 +230,10 @@ impl<R: Read + Send> FrameSource for Y4mStream<R> {
                 Some(mark) => mark,
                 None => {
                     let (mark, skipped) = self.find_mark()?;
+                    self.skipped += skipped;
+                    if self.layout.is_none() && self.skipped > BYTES_BEFORE_FIRST_MAX {
+                        return Err(VideoError::NoVideo { bytes: self.skipped });
+                    }
                     if skipped > 0 {
                         self.mark = mark;
                         return Ok(Next::Trouble(Trouble::Skipped { bytes: skipped }));
@@ -334,5 +343,7 @@ mod tests {
             let error = drain(source).unwrap_err().to_string();
             assert!(error.contains(words), "{header}: {error}");
         }
+        let rubbish = Y4mStream::new(std::io::repeat(b'F'), SourceOptions::default());
+        assert!(matches!(drain(rubbish).unwrap_err(), VideoError::NoVideo { .. }));
     }
 }

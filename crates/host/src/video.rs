@@ -45,6 +45,7 @@ pub use taken::Taken;
 #[cfg(all(feature = "webcam", target_os = "linux"))]
 pub use webcam::Webcam;
 pub use y4m::Y4mStream;
+pub use yuv::ColorPlanes;
 
 /// Without a film in so many bytes, there is none.
 const BYTES_BEFORE_FIRST_MAX: u64 = 16 << 20;
@@ -63,14 +64,30 @@ pub struct Frame {
     pub name: Option<String>,
     /// What the detector looks at.
     pub gray: GrayImage,
-    /// The same in colour, where [`SourceOptions::color`] asks for it and the source has it.
-    pub color: Option<Picture>,
+    /// Its colours, where [`SourceOptions::color`] asks for them and the source has them.
+    pub color: Option<FrameColor>,
+}
+
+/// The colours of a [`Frame`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum FrameColor {
+    /// The whole picture.
+    Rgb(Picture),
+    /// Beside the brightness, still to be put together.
+    Planes(ColorPlanes),
 }
 
 impl Frame {
-    /// The picture to draw on: in colour where it is there.
+    /// The picture to draw on: in colour where it is there. Planes are put together now, so that frames that nobody
+    /// draws on cost nothing.
     pub fn picture(&self) -> Picture {
-        self.color.clone().unwrap_or_else(|| Picture::from_gray(&self.gray.view()))
+        let picture = match &self.color {
+            Some(FrameColor::Rgb(picture)) => Some(picture.clone()),
+            Some(FrameColor::Planes(planes)) => planes.to_picture(&self.gray).ok(),
+            None => None,
+        };
+        picture.unwrap_or_else(|| Picture::from_gray(&self.gray.view()))
     }
 }
 
@@ -252,7 +269,7 @@ impl Ticker {
     }
 
     /// The frame of a picture that is complete just now.
-    fn frame(&mut self, gray: GrayImage, color: Option<Picture>) -> Frame {
+    fn frame(&mut self, gray: GrayImage, color: Option<FrameColor>) -> Frame {
         let captured = Instant::now();
         let first = *self.first.get_or_insert(captured);
         let number = self.next;
@@ -269,6 +286,6 @@ impl Ticker {
     /// The frame of a decoded picture that is complete just now.
     fn picture(&mut self, picture: Picture, color: bool) -> Frame {
         let gray = picture.to_gray();
-        self.frame(gray, color.then_some(picture))
+        self.frame(gray, color.then_some(FrameColor::Rgb(picture)))
     }
 }

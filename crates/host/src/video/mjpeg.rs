@@ -57,6 +57,12 @@ enum Place {
     Pixels,
 }
 
+/// What a step over the bytes at hand came to; no step where more have to come first.
+enum Step {
+    On,
+    Found(Piece),
+}
+
 /// Takes bytes as they come and gives pictures.
 #[derive(Debug)]
 pub struct Splitter {
@@ -104,24 +110,13 @@ impl Splitter {
             if self.skipped >= SKIPPED_AT_ONCE {
                 return self.take_skipped();
             }
-            let found = match self.place {
-                Place::Between => {
-                    if !self.find_start() {
-                        return None;
-                    }
-                    // Rubbish is told before the picture that ends it.
-                    self.take_skipped()
-                }
-                Place::Marker => self.marker()?,
-                Place::Pixels => {
-                    if !self.pixels() {
-                        return None;
-                    }
-                    None
-                }
+            let step = match self.place {
+                Place::Between => self.find_start(),
+                Place::Marker => self.marker(),
+                Place::Pixels => self.pixels(),
             };
-            if found.is_some() {
-                return found;
+            if let Step::Found(piece) = step? {
+                return Some(piece);
             }
         }
     }
@@ -147,7 +142,7 @@ impl Splitter {
     }
 
     /// Looks for a picture's start and goes there.
-    fn find_start(&mut self) -> bool {
+    fn find_start(&mut self) -> Option<Step> {
         let unseen = &self.buffer[self.position..];
         let start = unseen.windows(START.len()).position(|bytes| bytes == START);
         if let Some(start) = start {
@@ -156,7 +151,8 @@ impl Splitter {
                 self.skipped += (start - self.begin) as u64;
             }
             self.start_at(start);
-            return true;
+            // Rubbish is told before the picture that ends it.
+            return Some(self.take_skipped().map_or(Step::On, Step::Found));
         }
         // The last two bytes may begin a start.
         self.position = self.position.max(self.buffer.len().saturating_sub(START.len() - 1));
@@ -164,7 +160,7 @@ impl Splitter {
             self.skipped += (self.position - self.begin) as u64;
             self.begin = self.position;
         }
-        false
+        None
     }
 
     /// Begins a picture whose start stands at `start`.
@@ -173,8 +169,8 @@ impl Splitter {
         (self.place, self.has_tables) = (Place::Marker, false);
     }
 
-    /// Takes one marker. None when more has to come; a piece inside when one is complete.
-    fn marker(&mut self) -> Option<Option<Piece>> {
+    /// Takes one marker.
+    fn marker(&mut self) -> Option<Step> {
         if self.position - self.begin > PICTURE_BYTES_MAX {
             return Some(self.give_up());
         }
@@ -195,12 +191,12 @@ impl Splitter {
                 }
                 picture.extend_from_slice(&self.buffer[self.begin + 2..end]);
                 (self.begin, self.position, self.place) = (end, end, Place::Between);
-                return Some(Some(Piece::Picture(picture)));
+                return Some(Step::Found(Piece::Picture(picture)));
             }
             marker::START => {
                 let cut = (self.position - self.begin) as u64;
                 self.start_at(self.position);
-                return Some(Some(Piece::Cut(cut)));
+                return Some(Step::Found(Piece::Cut(cut)));
             }
             marker::TEMPORARY => self.position += 2,
             code if marker::RESTARTS.contains(&code) => self.position += 2,
@@ -218,39 +214,38 @@ impl Splitter {
                 }
             }
         }
-        Some(None)
+        Some(Step::On)
     }
 
     /// Goes on to the next marker behind compressed pixels.
-    fn pixels(&mut self) -> bool {
+    fn pixels(&mut self) -> Option<Step> {
         loop {
             // A picture longer than it may be is none; that is seen where markers are taken.
             if self.position - self.begin > PICTURE_BYTES_MAX {
                 break;
             }
-            let Some(unseen) = self.buffer.get(self.position..) else { return false };
+            let unseen = self.buffer.get(self.position..)?;
             let Some(found) = unseen.iter().position(|&byte| byte == 0xFF) else {
                 self.position = self.buffer.len();
-                return false;
+                return None;
             };
             self.position += found;
-            match self.buffer.get(self.position + 1) {
-                None => return false,
-                Some(0x00) => self.position += 2,
-                Some(code) if marker::RESTARTS.contains(code) => self.position += 2,
-                Some(_) => break,
+            match self.buffer.get(self.position + 1)? {
+                0x00 => self.position += 2,
+                code if marker::RESTARTS.contains(code) => self.position += 2,
+                _ => break,
             }
         }
         self.place = Place::Marker;
-        true
+        Some(Step::On)
     }
 
     /// The picture is none: goes on behind the beginning of its last segment, in which the next one may begin.
-    fn give_up(&mut self) -> Option<Piece> {
+    fn give_up(&mut self) -> Step {
         let next = (self.segment + 2).min(self.buffer.len());
         let cut = (next - self.begin) as u64;
         (self.begin, self.position, self.place) = (next, next, Place::Between);
-        Some(Piece::Cut(cut))
+        Step::Found(Piece::Cut(cut))
     }
 }
 
@@ -270,6 +265,7 @@ pub struct MjpegStream<R> {
     reader: R,
     options: SourceOptions,
     splitter: Splitter,
+    chunk: Vec<u8>,
     ticker: Ticker,
     /// Bytes read before the first picture; none behind it.
     before_first: Option<u64>,
@@ -283,6 +279,7 @@ impl<R: Read + Send> MjpegStream<R> {
             reader,
             options,
             splitter: Splitter::default(),
+            chunk: vec![0; READ_BYTES],
             ticker: Ticker::new(options.frame_rate),
             before_first: Some(0),
             is_over: false,
@@ -314,7 +311,6 @@ impl<R: Read + Send> MjpegStream<R> {
 
 impl<R: Read + Send> FrameSource for MjpegStream<R> {
     fn next_frame(&mut self) -> Result<Next, VideoError> {
-        let mut bytes = [0; READ_BYTES];
         loop {
             if let Some(piece) = self.splitter.next_piece() {
                 return Ok(self.next_from(piece));
@@ -322,12 +318,12 @@ impl<R: Read + Send> FrameSource for MjpegStream<R> {
             if self.is_over {
                 return Ok(Next::End);
             }
-            let count = match self.reader.read(&mut bytes) {
+            let count = match self.reader.read(&mut self.chunk) {
                 Ok(count) => count,
                 Err(error) if error.kind() == ErrorKind::Interrupted => continue,
                 Err(error) => return Err(error.into()),
             };
-            self.splitter.push(&bytes[..count]);
+            self.splitter.push(self.chunk.get(..count).unwrap_or_default());
             if let Some(before) = &mut self.before_first {
                 *before += count as u64;
                 if *before > BYTES_BEFORE_FIRST_MAX {

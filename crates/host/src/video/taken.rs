@@ -29,8 +29,8 @@ impl<F: FnMut() -> Result<Picture, VideoError> + Send> FrameSource for Taken<F> 
     fn next_frame(&mut self) -> Result<Next, VideoError> {
         let now = Instant::now();
         thread::sleep(self.due.saturating_duration_since(now));
-        // A late picture does not make the following ones early.
-        self.due = self.due.max(now) + self.period;
+        // What one picture is late, the next makes up for, but no more.
+        self.due = (self.due + self.period).max(now);
         let picture = (self.take)()?;
         Ok(Next::Frame(Box::new(self.ticker.picture(picture, self.color))))
     }

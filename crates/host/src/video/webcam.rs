@@ -1,4 +1,4 @@
-//! Webcams through Video4Linux2 (feature `webcam`, Linux): MJPG where the camera has it, YUYV otherwise.
+//! Webcams through Linux's V4L2 (feature `webcam`, Linux): MJPG where the camera has it, YUYV otherwise.
 
 use std::io::Error;
 use std::path::Path;
@@ -9,8 +9,10 @@ use linuxvideo::{BufType, Device};
 use rsapien_vision::image::check_size;
 use rsapien_vision::{GrayImage, Picture};
 
-use super::yuv::{Range, rgb};
-use super::{FrameSource, Next, Piece, SourceOptions, Splitter, Ticker, Trouble, VideoError};
+use super::yuv::{ColorPlanes, Range};
+use super::{
+    FrameColor, FrameSource, Next, Piece, SourceOptions, Splitter, Ticker, Trouble, VideoError,
+};
 
 /// An open webcam.
 pub struct Webcam {
@@ -106,23 +108,22 @@ fn from_yuyv(
     height: usize,
     stride: usize,
     color: bool,
-) -> Option<(GrayImage, Option<Picture>)> {
+) -> Option<(GrayImage, Option<FrameColor>)> {
     let mut gray = Vec::with_capacity(width * height);
-    let mut colors = Vec::with_capacity(if color { 3 * width * height } else { 0 });
+    let (mut u, mut v) = (Vec::new(), Vec::new());
     for y in 0..height {
         let row = bytes.get(y * stride..)?.get(..2 * width)?;
         gray.extend(row.iter().step_by(2));
         if color {
-            for pair in row.chunks(4) {
-                let (u, v) = (*pair.get(1)?, pair.get(3).copied().unwrap_or(128));
-                for bright in pair.iter().step_by(2) {
-                    colors.extend(rgb(Range::Limited, *bright, u, v));
-                }
-            }
+            u.extend(row.iter().skip(1).step_by(4));
+            // A last pixel without a partner has half of its colour.
+            v.extend(row.chunks(4).map(|pair| pair.get(3).copied().unwrap_or(128)));
         }
     }
-    let picture = if color { Some(Picture::new(colors, width, height).ok()?) } else { None };
-    Some((GrayImage::new(gray, width, height).ok()?, picture))
+    u.append(&mut v);
+    let planes = ColorPlanes { shared: (2, 1), range: Range::Limited, bytes: u };
+    let color = color.then_some(FrameColor::Planes(planes));
+    Some((GrayImage::new(gray, width, height).ok()?, color))
 }
 
 #[cfg(test)]
@@ -133,9 +134,9 @@ mod tests {
     fn yuyv_pictures_are_taken_apart_and_short_ones_left_out() {
         // Two rows of two pixels, red and blue by their pair, with two bytes of padding behind each.
         let bytes = [81, 90, 82, 240, 9, 9, 41, 240, 42, 110, 9, 9];
-        let (gray, picture) = from_yuyv(&bytes, 2, 2, 6, true).unwrap();
+        let (gray, color) = from_yuyv(&bytes, 2, 2, 6, true).unwrap();
         assert_eq!(gray.pixels(), [81, 82, 41, 42]);
-        let picture = picture.unwrap();
+        let picture = Ticker::default().frame(gray, color).picture();
         let bright: Vec<bool> = picture.rgb().iter().map(|&value| value > 128).collect();
         let (red, blue) = ([true, false, false], [false, false, true]);
         assert_eq!(bright, [red, red, blue, blue].concat());

@@ -3,12 +3,13 @@
 
 use std::io::{BufRead, BufReader, Read};
 
+use rsapien_vision::GrayImage;
 use rsapien_vision::image::check_size;
-use rsapien_vision::{GrayImage, Picture};
 
-use super::yuv::{Planes, Range};
+use super::yuv::{ColorPlanes, Range};
 use super::{
-    BYTES_BEFORE_FIRST_MAX, FrameSource, Next, SourceOptions, Ticker, Trouble, VideoError,
+    BYTES_BEFORE_FIRST_MAX, FrameColor, FrameSource, Next, SourceOptions, Ticker, Trouble,
+    VideoError,
 };
 
 /// What every film begins with.
@@ -208,14 +209,10 @@ impl<R: Read + Send> Y4mStream<R> {
         let (width, height) = (layout.width, layout.height);
         let bright = self.planes.get(..width * height).unwrap_or_default().to_vec();
         let gray = GrayImage::new(bright, width, height)?;
-        let color = match (self.options.color, layout.shared) {
-            (true, Some(shared)) => Some(
-                Planes { width, height, shared, range: layout.range, bytes: &self.planes }
-                    .to_picture()?,
-            ),
-            (true, None) => Some(Picture::from_gray(&gray.view())),
-            (false, _) => None,
-        };
+        let color = layout.shared.filter(|_| self.options.color).map(|shared| {
+            let bytes = self.planes.get(width * height..).unwrap_or_default().to_vec();
+            FrameColor::Planes(ColorPlanes { shared, range: layout.range, bytes })
+        });
         Ok(Next::Frame(Box::new(self.ticker.frame(gray, color))))
     }
 }
@@ -226,21 +223,20 @@ impl<R: Read + Send> FrameSource for Y4mStream<R> {
             if self.is_over {
                 return Ok(Next::End);
             }
-            let mark = match self.mark.take() {
-                Some(mark) => mark,
-                None => {
-                    let (mark, skipped) = self.find_mark()?;
-                    self.skipped += skipped;
-                    if self.layout.is_none() && self.skipped > BYTES_BEFORE_FIRST_MAX {
-                        return Err(VideoError::NoVideo { bytes: self.skipped });
-                    }
-                    if skipped > 0 {
-                        self.mark = mark;
-                        return Ok(Next::Trouble(Trouble::Skipped { bytes: skipped }));
-                    }
-                    let Some(mark) = mark else { continue };
-                    mark
+            let mark = if let Some(mark) = self.mark.take() {
+                mark
+            } else {
+                let (mark, skipped) = self.find_mark()?;
+                self.skipped += skipped;
+                if self.layout.is_none() && self.skipped > BYTES_BEFORE_FIRST_MAX {
+                    return Err(VideoError::NoVideo { bytes: self.skipped });
                 }
+                if skipped > 0 {
+                    self.mark = mark;
+                    return Ok(Next::Trouble(Trouble::Skipped { bytes: skipped }));
+                }
+                let Some(mark) = mark else { continue };
+                mark
             };
             match mark {
                 Mark::Header => self.header()?,
@@ -294,7 +290,11 @@ mod tests {
                 assert_eq!((frames.len(), troubles.len()), (3, 0), "{colors}: {troubles:?}");
                 for (number, frame) in (0..).zip(&frames) {
                     assert_eq!(frame.gray.pixels(), [number; 15], "{colors}");
-                    assert_eq!(frame.color.is_some(), color);
+                    assert_eq!(frame.color.is_some(), color && colors != "Cmono");
+                    let picture = frame.picture();
+                    let is_gray =
+                        picture.rgb().as_chunks().0.iter().all(|[r, g, b]| r == g && g == b);
+                    assert_eq!(is_gray, frame.color.is_none());
                 }
                 assert_eq!(frames[2].time.as_millis(), 80);
             }

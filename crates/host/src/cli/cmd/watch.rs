@@ -43,6 +43,7 @@ use crate::video::{
 /// Frame rates, delay, drops and everything wrong with the source are told on the standard error. A source that stalls
 /// is waited for, rubbish is skipped and counted, a lost HTTP connection is made again. The exit status is 1 when no
 /// frame showed an ellipse; Ctrl-C ends with 0.
+#[allow(clippy::doc_markdown)] // --help shows it as it stands
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -7,8 +7,11 @@ use std::sync::mpsc;
 use super::super::tests::jpeg;
 use super::*;
 
-/// Serves one connection after the other, each by its own function.
-fn serve(connections: Vec<Box<dyn FnOnce(&mut TcpStream) + Send>>) -> HttpAddress {
+/// What a server does with a connection.
+type Serving = Box<dyn FnOnce(&mut TcpStream) + Send>;
+
+/// Serves one connection after the other.
+fn serve(connections: Vec<Serving>) -> HttpAddress {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
     thread::spawn(move || {

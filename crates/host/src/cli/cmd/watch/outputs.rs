@@ -28,13 +28,13 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
-    /// Lines on the standard output, a film in `film` (`-` is the standard output), pictures for browsers.
+    /// Lines on the standard output, a film in `film_path` (`-` is the standard output), pictures for browsers.
     pub(super) fn new(
         lines: bool,
-        film: Option<&Path>,
+        film_path: Option<&Path>,
         server: Option<FrameServer>,
     ) -> Result<Self> {
-        let film = match film {
+        let film = match film_path {
             None => Film::None,
             Some(path) if path == Path::new("-") => {
                 if lines {
@@ -44,9 +44,9 @@ impl Outputs {
                 Film::Standard
             }
             Some(path) => {
-                let file =
-                    File::create(path).map_err(|error| Failure::file("write", path, &error))?;
-                Film::File { file: BufWriter::new(file), path: path.to_owned() }
+                let created = File::create(path);
+                let created = created.map_err(|error| Failure::file("write", path, &error))?;
+                Film::File { file: BufWriter::new(created), path: path.to_owned() }
             }
         };
         Ok(Self { lines, film, server })

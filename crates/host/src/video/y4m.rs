@@ -107,6 +107,8 @@ pub struct Y4mStream<R> {
     /// Read already, and still to be acted on.
     mark: Option<Mark>,
     planes: Vec<u8>,
+    /// The beginning of a mark whose rest is still to be read.
+    begun: Vec<u8>,
     /// Bytes skipped in all.
     skipped: u64,
     is_over: bool,
@@ -122,6 +124,7 @@ impl<R: Read + Send> Y4mStream<R> {
             ticker: Ticker::new(options.frame_rate),
             mark: None,
             planes: Vec::new(),
+            begun: Vec::new(),
             skipped: 0,
             is_over: false,
         }
@@ -131,29 +134,28 @@ impl<R: Read + Send> Y4mStream<R> {
     fn find_mark(&mut self) -> Result<(Option<Mark>, u64), VideoError> {
         let marks =
             [(MAGIC, Mark::Header), (FRAME[0], Mark::Frame), (FRAME[1], Mark::FrameWithParameters)];
-        // No mark begins inside itself or another, so that a mismatch starts over with the byte itself.
-        let mut matched = Vec::with_capacity(MAGIC.len());
+        let is_begun = |bytes: &[u8]| marks.iter().any(|(mark, _)| mark.starts_with(bytes));
         let mut skipped = 0;
-        loop {
+        while skipped < SKIPPED_AT_ONCE {
             let Some(byte) = self.byte()? else {
-                return Ok((None, skipped + matched.len() as u64));
+                return Ok((None, skipped + std::mem::take(&mut self.begun).len() as u64));
             };
-            matched.push(byte);
-            if !marks.iter().any(|(mark, _)| mark.starts_with(&matched)) {
-                skipped += matched.len() as u64 - 1;
-                matched = vec![byte];
-                if !marks.iter().any(|(mark, _)| mark.starts_with(&matched)) {
-                    skipped += 1;
-                    matched.clear();
+            self.begun.push(byte);
+            if !is_begun(&self.begun) {
+                // No mark begins inside itself or another, so that a mismatch starts over with the byte itself.
+                skipped += self.begun.len() as u64;
+                self.begun.clear();
+                if is_begun(&[byte]) {
+                    self.begun.push(byte);
+                    skipped -= 1;
                 }
             }
-            if let Some((_, mark)) = marks.iter().find(|(mark, _)| *mark == matched.as_slice()) {
+            if let Some((_, mark)) = marks.iter().find(|(mark, _)| *mark == self.begun.as_slice()) {
+                self.begun.clear();
                 return Ok((Some(*mark), skipped));
             }
-            if skipped >= SKIPPED_AT_ONCE && matched.is_empty() {
-                return Ok((None, skipped));
-            }
         }
+        Ok((None, skipped))
     }
 
     fn byte(&mut self) -> Result<Option<u8>, VideoError> {

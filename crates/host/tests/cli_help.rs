@@ -5,7 +5,7 @@ mod support;
 
 use support::User;
 
-const COMMANDS: [&str; 16] = [
+const COMMANDS: [&str; 17] = [
     "demo",
     "ports",
     "doctor",
@@ -20,6 +20,7 @@ const COMMANDS: [&str; 16] = [
     "detect",
     "eval",
     "bench-detect",
+    "watch",
     "sim",
     "completions",
 ];

@@ -16,6 +16,7 @@ mod sim;
 mod snapshot;
 mod state;
 mod stop;
+mod watch;
 
 use std::io::Write;
 
@@ -42,6 +43,7 @@ pub(crate) enum Command {
     Detect(detect::Cmd),
     Eval(eval::Cmd),
     BenchDetect(bench_detect::Cmd),
+    Watch(watch::Cmd),
     Sim(sim::Cmd),
     Completions(completions::Cmd),
 }
@@ -64,6 +66,7 @@ impl Command {
             Self::Detect(cmd) => cmd.run(context, out),
             Self::Eval(cmd) => cmd.run(context, out),
             Self::BenchDetect(cmd) => cmd.run(context, out),
+            Self::Watch(cmd) => cmd.run(context, out),
             Self::Sim(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),
         }

@@ -132,11 +132,7 @@ impl Accumulator {
         axis: Axis,
     ) {
         // Compiled for several instruction sets; the one of this machine is taken. Nothing is rounded otherwise.
-        let instructions = self.instructions;
-        instructions.dispatch(
-            #[inline(always)]
-            || self.vote_runs_here(grid, runs, axis),
-        );
+        self.instructions.dispatch(VotedRuns { accumulator: self, grid, runs, axis });
     }
 
     #[inline(always)]
@@ -188,6 +184,23 @@ impl Accumulator {
             semi_minor_px: self.first_px + (best.1 as f32 + 0.5) * self.width_px,
             votes_by_quadrant: self.votes(best.1),
         }
+    }
+}
+
+/// The voting, to be compiled for an instruction set.
+struct VotedRuns<'a, I> {
+    accumulator: &'a mut Accumulator,
+    grid: &'a PointGrid,
+    runs: I,
+    axis: Axis,
+}
+
+impl<I: Iterator<Item = Range<usize>>> pulp::WithSimd for VotedRuns<'_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _instructions: S) {
+        self.accumulator.vote_runs_here(self.grid, self.runs, self.axis);
     }
 }
 

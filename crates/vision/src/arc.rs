@@ -199,7 +199,7 @@ impl Arcs {
         // The longest run from the front that is elliptic, then the rest.
         let mut from = 0;
         while from + 2 < vertices.len() {
-            let mut to = vertices.len() - 1;
+            let mut to = self.one_round(points, vertices, from);
             let mut found = None;
             while to > from + 1 {
                 let turn: f32 = self.turn_between(points, &vertices[from..=to]);
@@ -220,6 +220,17 @@ impl Arcs {
             }
             from = to.max(from + 1);
         }
+    }
+
+    /// The vertex at which the run from `from` has gone once around, or its last one: no ellipse goes on behind it, and
+    /// trying would take the square of the length of a spiral.
+    fn one_round(&self, points: &[EdgePoint], vertices: &[usize], from: usize) -> usize {
+        let (mut to, mut turn_rad) = (from + 2, 0.0_f32);
+        while to < vertices.len() - 1 && turn_rad.abs() < std::f32::consts::TAU {
+            turn_rad += self.turn_between(points, &vertices[to - 2..=to]);
+            to += 1;
+        }
+        to
     }
 
     fn turn_between(&self, points: &[EdgePoint], vertices: &[usize]) -> f32 {
@@ -298,3 +309,6 @@ fn turn_sign(points: &[EdgePoint]) -> f32 {
 fn whole_ring(points: &[EdgePoint]) -> bool {
     points.len() >= 8
 }
+
+#[cfg(test)]
+mod tests;

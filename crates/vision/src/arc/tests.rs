@@ -1,0 +1,90 @@
+use super::*;
+use crate::edges::EdgeMap;
+use crate::test_pictures::{discs, ellipse, picture};
+
+fn cut(image: &crate::image::GrayImage) -> Arcs {
+    let (mut edges, mut chains, mut arcs) =
+        (EdgeMap::default(), Chains::default(), Arcs::default());
+    edges.find(&image.view());
+    chains.link(&edges);
+    arcs.cut(&mut chains, 0.8);
+    arcs
+}
+
+#[test]
+fn a_disc_is_one_whole_ring() {
+    for is_bright in [true, false] {
+        let truth = ellipse(60.3, 58.9, 41.0, 28.0, 0.5);
+        let mut image = discs(120, 120, &[truth]);
+        if !is_bright {
+            image.pixels_mut().iter_mut().for_each(|grey| *grey = 255 - *grey);
+        }
+        let arcs = cut(&image).arcs;
+        assert_eq!(arcs.len(), 1, "{arcs:?}");
+        let arc = &arcs[0];
+        assert!(arc.is_ring);
+        assert!((arc.turn_rad - std::f32::consts::TAU).abs() < 0.2, "{}", arc.turn_rad);
+        assert!((f64::from(arc.length_px) / truth.perimeter_px() - 1.0).abs() < 0.15);
+        for sample in &arc.samples {
+            let (x, y) = arc.inside(sample);
+            let (dx, dy) = (sample.x - 60.3, sample.y - 58.9);
+            assert!(x * dx + y * dy < 0.0, "the inside is where the centre is");
+        }
+        let fitted = arc.shape.expect("a whole ring tells its ellipse").ellipse();
+        assert!((fitted.center_x_px - truth.center_x_px).abs() < 0.1, "{fitted:?}");
+        assert!((fitted.semi_minor_px - truth.semi_minor_px).abs() < 0.1, "{fitted:?}");
+    }
+}
+
+#[test]
+fn a_polygon_has_no_arc() {
+    for theta in [0.0_f64, 0.3, std::f64::consts::FRAC_PI_4] {
+        let (sin, cos) = theta.sin_cos();
+        let image = picture(160, 160, |x, y| {
+            let (dx, dy) = (x - 80.0, y - 80.0);
+            let outside = (dx * cos + dy * sin).abs().max((dy * cos - dx * sin).abs()) - 45.0;
+            40.0 + 160.0 * (0.5 - outside).clamp(0.0, 1.0)
+        });
+        let arcs = cut(&image).arcs;
+        assert!(arcs.is_empty(), "turned by {theta}: {arcs:?}");
+    }
+}
+
+#[test]
+fn two_discs_that_overlap_are_cut_where_they_meet() {
+    let (one, other) =
+        (ellipse(55.0, 60.0, 35.0, 35.0, 0.0), ellipse(105.0, 60.0, 35.0, 35.0, 0.0));
+    let arcs = cut(&discs(160, 120, &[one, other])).arcs;
+    let mut seen = [0.0_f32; 2];
+    for arc in &arcs {
+        let on = [one, other].map(|truth| {
+            let near = |s: &&EdgePoint| truth.distance_px(s.x.into(), s.y.into()).abs() < 1.5;
+            arc.samples.iter().filter(near).count()
+        });
+        assert!(on[0].max(on[1]) >= SAMPLES - 2, "no arc has parts of both: {on:?} {arc:?}");
+        seen[usize::from(on[1] > on[0])] += arc.turn_rad;
+    }
+    assert!(seen.iter().all(|&turn_rad| turn_rad > 3.0), "{seen:?}");
+}
+
+/// A spiral turns one way all along, thousands of sides in a row of which no long run is elliptic.
+#[test]
+fn a_spiral_is_cut_in_bounded_time() {
+    let image = picture(1000, 1000, |x, y| {
+        let (dx, dy) = (x - 500.0, y - 500.0);
+        128.0 + 100.0 * (dx.hypot(dy) * std::f64::consts::TAU / 10.0 + dy.atan2(dx)).sin()
+    });
+    let start = std::time::Instant::now();
+    let arcs = cut(&image).arcs;
+    // In a debug build on a slow machine; the square of the sides would take minutes.
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+    assert!(arcs.len() > 50);
+    let on_circle = arcs.iter().filter(|arc| {
+        arc.samples.iter().all(|s| {
+            let middle = &arc.samples[SAMPLES / 2];
+            let radius = |s: &EdgePoint| (s.x - 500.0).hypot(s.y - 500.0);
+            (radius(s) - radius(middle)).abs() < 12.0
+        })
+    });
+    assert!(on_circle.count() * 10 > arcs.len() * 9, "arcs stay on one turn of the spiral");
+}

@@ -149,3 +149,6 @@ impl Chains {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -51,3 +51,6 @@ fn log10_tail(n: f64, k: f64, p: f64) -> f64 {
     let r = (k / n).min(1.0 - 1e-9);
     -n * (r * (r / p).ln() + (1.0 - r) * ((1.0 - r) / (1.0 - p)).ln()) / std::f64::consts::LN_10
 }
+
+#[cfg(test)]
+mod tests;

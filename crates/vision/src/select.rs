@@ -135,3 +135,6 @@ fn middle(one: &Ellipse, other: &Ellipse) -> Ellipse {
     }
     .canonical()
 }
+
+#[cfg(test)]
+mod tests;

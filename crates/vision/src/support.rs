@@ -228,3 +228,6 @@ pub(crate) fn clutter(edges: &EdgeMap, shape: &Shape) -> f64 {
     }
     f64::from(count) / f64::from(looks.max(1))
 }
+
+#[cfg(test)]
+mod tests;

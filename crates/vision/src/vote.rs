@@ -86,3 +86,6 @@ fn log2(value: f32) -> f32 {
     let bits = value.to_bits();
     (bits as f32) * (1.0 / 8_388_608.0) - 127.0
 }
+
+#[cfg(test)]
+mod tests;

@@ -65,8 +65,7 @@ impl Chains {
             let there = points[other as usize];
             let (dx, dy) = (there.x - here.x, there.y - here.y);
             let ahead = dy * here.gradient_x - dx * here.gradient_y;
-            let agreement =
-                here.gradient_x * there.gradient_x + here.gradient_y * there.gradient_y;
+            let agreement = here.gradient_x * there.gradient_x + here.gradient_y * there.gradient_y;
             let distance2 = dx * dx + dy * dy;
             if ahead > 0.0 && agreement > AGREEMENT_MIN && distance2 < best.0 {
                 best = (distance2, other);

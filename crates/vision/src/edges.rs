@@ -65,35 +65,33 @@ impl EdgeMap {
             self.map.seal();
             return;
         }
-        let instructions = pulp::Arch::new();
         self.rows.reset(width);
-        // Blurred rows 0 and 1 come before the first gradient, gradients 0 to 2 before the first maximum.
-        for y in 0..height + 2 {
-            if y < height {
-                instructions.dispatch(
-                    #[inline(always)]
-                    || self.rows.smooth(picture, y),
-                );
-            }
-            if (1..=height).contains(&y) {
-                instructions.dispatch(
-                    #[inline(always)]
-                    || self.rows.differentiate(y - 1, height),
-                );
-            }
-            if y >= 3 && y - 1 < height {
-                let at = y - 2;
-                instructions.dispatch(
-                    #[inline(always)]
-                    || self.rows.mark_maxima(at, threshold, self.map.row_mut(at)),
-                );
-                self.emit(at);
-            }
-        }
+        // Compiled for several instruction sets; the one of this machine is taken. Nothing is rounded otherwise.
+        pulp::Arch::new().dispatch(Streamed { edges: self, picture, threshold });
         self.map.seal();
     }
 
+    /// Streams the rows through.
+    #[inline(always)]
+    fn stream(&mut self, picture: &GrayView<'_>, threshold: f32) {
+        let height = picture.height();
+        // Smoothed rows 0 and 1 come before the first gradient, gradients 0 to 2 before the first maximum.
+        for y in 0..height + 2 {
+            if y < height {
+                self.rows.smooth(picture, y);
+            }
+            if (1..=height).contains(&y) {
+                self.rows.differentiate(y - 1, height);
+            }
+            if y >= 3 && y - 1 < height {
+                self.rows.mark_maxima(y - 2, threshold, self.map.row_mut(y - 2));
+                self.emit(y - 2);
+            }
+        }
+    }
+
     /// Appends the points of row `y`.
+    #[inline(always)]
     fn emit(&mut self, y: usize) {
         let Self { points, map, rows, .. } = self;
         for (word_at, &word) in map.row(y).iter().enumerate() {
@@ -104,6 +102,22 @@ impl EdgeMap {
                 points.push(rows.point(x, y));
             }
         }
+    }
+}
+
+/// The streaming, to be compiled for an instruction set.
+struct Streamed<'a, 'b> {
+    edges: &'a mut EdgeMap,
+    picture: &'a GrayView<'b>,
+    threshold: f32,
+}
+
+impl pulp::WithSimd for Streamed<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _instructions: S) {
+        self.edges.stream(self.picture, self.threshold);
     }
 }
 

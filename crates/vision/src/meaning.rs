@@ -10,7 +10,11 @@ pub(crate) const FEATURES: usize = 7;
 const WEIGHTS: [f64; FEATURES + 1] = [2.291, -5.032, -1.380, -11.671, 0.520, 0.932, 0.125, -7.395];
 
 /// What the score is computed from.
-pub(crate) fn features(ellipse: &Ellipse, support: &Support, log10_false_alarms: f64) -> [f64; FEATURES] {
+pub(crate) fn features(
+    ellipse: &Ellipse,
+    support: &Support,
+    log10_false_alarms: f64,
+) -> [f64; FEATURES] {
     [
         (support.share * support.inside).max(0.01).ln(),
         support.gap,

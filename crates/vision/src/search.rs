@@ -46,6 +46,8 @@ const PAIRS_MAX: usize = 60_000;
 const TRIED_MAX: usize = 6_000;
 /// Least votes of a pair, of the 18 that its arcs have.
 const VOTES_MIN: usize = 12;
+/// Steps of the coarse rounds along a contour.
+const COARSE_STEPS: usize = 80;
 /// Partners of an arc that are tried.
 const PARTNERS_MAX: usize = 4;
 /// Share of an arc's samples on an accepted contour from which the arc needs no other.
@@ -142,9 +144,7 @@ impl Search {
             let start = self.hits.len();
             if let Some(candidate) = self.improve(edges, &shape, options, true)
                 && candidate.support.share > 0.3
-                && best
-                    .as_ref()
-                    .is_none_or(|best| candidate.score > best.score)
+                && best.as_ref().is_none_or(|best| candidate.score > best.score)
             {
                 best = Some(candidate);
             } else {
@@ -160,8 +160,14 @@ impl Search {
     fn accept(&mut self, candidate: Candidate, arcs: &[Arc]) {
         if candidate.log10_false_alarms < -2.0 {
             let certain = candidate.score > 0.5;
+            let reach = candidate.shape.ellipse().semi_major_px + 2.0;
             for (arc, explained) in arcs.iter().zip(&mut self.explained) {
-                if *explained || !certain {
+                let middle = &arc.samples[SAMPLES / 2];
+                if *explained
+                    || !certain
+                    || (f64::from(middle.x) - candidate.shape.x).abs() > reach
+                    || (f64::from(middle.y) - candidate.shape.y).abs() > reach
+                {
                     continue;
                 }
                 let near = arc
@@ -191,17 +197,15 @@ impl Search {
         }
         self.tried += 1;
         let mut shape = *shape;
-        // Two coarse rounds with few points, then fine ones with all, the last within what the noise leaves.
-        let mut tolerance = 2.0;
-        for (cos_min, steps, rounds) in
-            [(0.8, 96, 2), (0.87, 96, 2), (0.9, STEPS_MAX, 3), (0.9, STEPS_MAX, 4)]
+        // Coarse rounds with few points, the first in a wide band, then a fine one with all.
+        for (tolerance, cos_min, steps) in
+            [(2.0, 0.8, COARSE_STEPS), (1.5, 0.87, COARSE_STEPS), (1.5, 0.9, STEPS_MAX)]
         {
             if !within(&shape, edges, options) {
                 return None;
             }
-            let support =
-                self.along.gather(edges, &shape, tolerance, cos_min, steps);
-            if self.along.hits.len() < 10 || support.share < 0.15 {
+            let support = self.along.gather(edges, &shape, tolerance, cos_min, steps);
+            if self.along.hits.len() < 8 || support.share < 0.15 {
                 return None;
             }
             self.points.clear();
@@ -209,9 +213,12 @@ impl Search {
                 let point = &edges.points[hit as usize];
                 (f64::from(point.x), f64::from(point.y))
             }));
-            shape = shape.fit_distance(&self.points, rounds)?;
-            tolerance = if steps < STEPS_MAX { 1.5 } else { self.spread(&shape) };
+            shape = shape.step(&self.points)?;
         }
+        // Once more without the points that the noise does not explain.
+        let spread = self.spread(&shape);
+        self.points.retain(|&(x, y)| shape.distance(x, y).0.abs() <= spread);
+        shape = shape.fit_distance(&self.points, 3)?;
         if !within(&shape, edges, options) {
             return None;
         }
@@ -223,8 +230,7 @@ impl Search {
         let start = self.hits.len();
         self.hits.extend_from_slice(&self.along.hits);
         let log10_false_alarms = crate::meaning::log10_false_alarms(edges, &support);
-        let features =
-            crate::meaning::features(&shape.ellipse(), &support, log10_false_alarms);
+        let features = crate::meaning::features(&shape.ellipse(), &support, log10_false_alarms);
         let score = crate::meaning::score(&features);
         let hits = start..self.hits.len();
         Some(Candidate { shape, support, log10_false_alarms, features, score, hits, pair })
@@ -269,8 +275,6 @@ fn can_belong(one: &Arc, other: &Arc, radius: f32) -> bool {
         dx * nx + dy * ny > -1.5 - 0.1 * (dx.abs() + dy.abs())
     };
     PLACES.iter().all(|&i| {
-        PLACES.iter().all(|&j| {
-            inner(one, i, &other.samples[j]) && inner(other, j, &one.samples[i])
-        })
+        PLACES.iter().all(|&j| inner(one, i, &other.samples[j]) && inner(other, j, &one.samples[i]))
     })
 }

@@ -5,6 +5,7 @@ use crate::edges::EdgeMap;
 use crate::ellipse::Ellipse;
 use crate::options::{Options, Strokes};
 use crate::search::{Candidate, Search};
+use crate::shape::Shape;
 
 /// Hits of a candidate that are compared with the contours before it.
 const COMPARED: usize = 32;
@@ -27,6 +28,7 @@ pub(crate) fn select(
     detection.support.clear();
     search.candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut kept: Vec<usize> = Vec::new();
+    let mut near: Vec<(Shape, f64, f64)> = Vec::new();
     for (at, candidate) in search.candidates.iter().enumerate() {
         let hits = &search.hits[candidate.hits.clone()];
         let count = hits.len().min(COMPARED);
@@ -34,14 +36,17 @@ pub(crate) fn select(
             .filter(|i| {
                 let point = &edges.points[hits[i * hits.len() / count] as usize];
                 let (x, y) = (f64::from(point.x), f64::from(point.y));
-                !kept.iter().any(|&other| {
-                    search.candidates[other].shape.distance(x, y).0.abs() < 1.5
+                !near.iter().any(|(shape, inner2, outer2)| {
+                    let center2 = (x - shape.x).powi(2) + (y - shape.y).powi(2);
+                    center2 > *inner2 && center2 < *outer2 && shape.distance(x, y).0.abs() < 1.5
                 })
             })
             .count();
-        if alone as f64 >= EXCLUSIVE_MIN * count as f64 && candidate.score >= options.score_min
-        {
+        if alone as f64 >= EXCLUSIVE_MIN * count as f64 && candidate.score >= options.score_min {
             kept.push(at);
+            let ellipse = candidate.shape.ellipse();
+            let inner = (ellipse.semi_minor_px - 2.0).max(0.0);
+            near.push((candidate.shape, inner.powi(2), (ellipse.semi_major_px + 2.0).powi(2)));
         }
     }
     let mut merged = vec![false; kept.len()];
@@ -69,7 +74,11 @@ pub(crate) fn select(
                 ellipse = middle(&ellipse, &search.candidates[other_at].shape.ellipse());
             }
         }
-        if detection.ellipses.iter().any(|found| found.ellipse.overlap_star(&ellipse) > DOUBLE_OVERLAP) {
+        if detection
+            .ellipses
+            .iter()
+            .any(|found| found.ellipse.overlap_star(&ellipse) > DOUBLE_OVERLAP)
+        {
             continue;
         }
         detection.ellipses.push(DetectedEllipse {

@@ -100,8 +100,7 @@ impl Shape {
                 let (x, y) = frame.enter(point);
                 let weight = weights_from.map_or(1.0, |shape| {
                     let (dx, dy) = (x - shape.x, y - shape.y);
-                    let (gx, gy) =
-                        (shape.xx * dx + shape.xy * dy, shape.xy * dx + shape.yy * dy);
+                    let (gx, gy) = (shape.xx * dx + shape.xy * dy, shape.xy * dx + shape.yy * dy);
                     1.0 / (gx * gx + gy * gy).max(1e-6)
                 });
                 let row = Vector5::new(x * x - y * y, x * y, x, y, 1.0);
@@ -137,13 +136,7 @@ impl Shape {
                 damped[(i, i)] *= 1.0 + damping;
             }
             let step = damped.cholesky()?.solve(&right);
-            let moved = Self {
-                x: shape.x - step[0],
-                y: shape.y - step[1],
-                xx: shape.xx - step[2],
-                xy: shape.xy - step[3],
-                yy: shape.yy - step[4],
-            };
+            let moved = shape.minus(&step);
             let size = step.amax();
             let tried = moved.is_ellipse().then(|| normal_equations(&moved, points, &frame));
             match tried {
@@ -165,6 +158,30 @@ impl Shape {
         Some(frame.leave(&shape))
     }
 
+    /// One Gauss-Newton step towards the least sum of squared distances, unchecked: for rounds that look again afterwards.
+    pub(crate) fn step(&self, points: &[Point]) -> Option<Self> {
+        let scale = (self.xx * self.yy - self.xy * self.xy).powf(-0.25);
+        if points.len() < 6 || !scale.is_finite() {
+            return None;
+        }
+        let frame = Frame { x: self.x, y: self.y, scale };
+        let shape = frame.shape_entered(self);
+        let (normal, right, _) = normal_equations(&shape, points, &frame);
+        let step = normal.cholesky()?.solve(&right);
+        let moved = shape.minus(&step);
+        moved.is_ellipse().then(|| frame.leave(&moved))
+    }
+
+    fn minus(&self, step: &Vector5<f64>) -> Self {
+        Self {
+            x: self.x - step[0],
+            y: self.y - step[1],
+            xx: self.xx - step[2],
+            xy: self.xy - step[3],
+            yy: self.yy - step[4],
+        }
+    }
+
     /// Root mean square and greatest distance of `points`.
     pub(crate) fn deviation(&self, points: &[Point]) -> (f64, f64) {
         let (mut sum, mut greatest) = (0.0, 0.0_f64);
@@ -177,41 +194,18 @@ impl Shape {
     }
 }
 
+/// Points that are summed side by side.
+const LANES: usize = 4;
+/// Sums of a Gauss-Newton step: the lower triangle of the normal matrix, the right side, and the squares.
+const SUMS: usize = 15 + 5 + 1;
+
 /// Sums of the Gauss-Newton step: normal matrix, right side, and sum of squares, in the units of the frame.
 fn normal_equations(
     shape: &Shape,
     points: &[Point],
     frame: &Frame,
 ) -> (Matrix5<f64>, Vector5<f64>, f64) {
-    let mut sums = [0.0; 15];
-    let mut right = [0.0; 5];
-    let mut cost = 0.0;
-    for &point in points {
-        let (x, y) = frame.enter(point);
-        let (dx, dy) = (x - shape.x, y - shape.y);
-        let (gx, gy) = (shape.xx * dx + shape.xy * dy, shape.xy * dx + shape.yy * dy);
-        let rho2 = gx * dx + gy * dy;
-        let rho = rho2.max(1e-12).sqrt();
-        let inverse = 1.0 / (gx * gx + gy * gy).max(1e-12).sqrt();
-        let residual = (rho - 1.0) * rho * inverse;
-        // Derivatives of rho over the length of its gradient |Q d| / rho.
-        let row = [
-            -gx * inverse,
-            -gy * inverse,
-            0.5 * dx * dx * inverse,
-            dx * dy * inverse,
-            0.5 * dy * dy * inverse,
-        ];
-        let mut at = 0;
-        for i in 0..5 {
-            for j in 0..=i {
-                sums[at] += row[i] * row[j];
-                at += 1;
-            }
-            right[i] += row[i] * residual;
-        }
-        cost += residual * residual;
-    }
+    let sums = pulp::Arch::new().dispatch(Summed { shape, points, frame });
     let mut normal = Matrix5::zeros();
     let mut at = 0;
     for i in 0..5 {
@@ -221,7 +215,72 @@ fn normal_equations(
             at += 1;
         }
     }
-    (normal, Vector5::from(right), cost)
+    (normal, Vector5::from_column_slice(&sums[15..20]), sums[20])
+}
+
+/// The summing, to be compiled for an instruction set.
+struct Summed<'a> {
+    shape: &'a Shape,
+    points: &'a [Point],
+    frame: &'a Frame,
+}
+
+impl pulp::WithSimd for Summed<'_> {
+    type Output = [f64; SUMS];
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _instructions: S) -> Self::Output {
+        let Self { shape, points, frame } = self;
+        let mut sums = [[0.0; LANES]; SUMS];
+        for group in points.chunks(LANES) {
+            // Lanes without a point get weight 0.
+            let mut x = [0.0; LANES];
+            let mut y = [0.0; LANES];
+            let mut weight = [0.0; LANES];
+            for (lane, &point) in group.iter().enumerate() {
+                (x[lane], y[lane]) = frame.enter(point);
+                weight[lane] = 1.0;
+            }
+            add_group(shape, &x, &y, &weight, &mut sums);
+        }
+        sums.map(|lanes| (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]))
+    }
+}
+
+/// Adds four points to the sums.
+#[inline(always)]
+fn add_group(
+    shape: &Shape,
+    x: &[f64; LANES],
+    y: &[f64; LANES],
+    weight: &[f64; LANES],
+    sums: &mut [[f64; LANES]; SUMS],
+) {
+    // Rows of the Jacobian, and the residual.
+    let mut rows = [[0.0; LANES]; 6];
+    for lane in 0..LANES {
+        let (dx, dy) = (x[lane] - shape.x, y[lane] - shape.y);
+        let (gx, gy) = (shape.xx * dx + shape.xy * dy, shape.xy * dx + shape.yy * dy);
+        let rho = (gx * dx + gy * dy).max(1e-12).sqrt();
+        let inverse = weight[lane] / (gx * gx + gy * gy).max(1e-12).sqrt();
+        // Derivatives of rho over the length of its gradient |Q d| / rho.
+        rows[0][lane] = -gx * inverse;
+        rows[1][lane] = -gy * inverse;
+        rows[2][lane] = 0.5 * dx * dx * inverse;
+        rows[3][lane] = dx * dy * inverse;
+        rows[4][lane] = 0.5 * dy * dy * inverse;
+        rows[5][lane] = (rho - 1.0) * rho * inverse;
+    }
+    let mut at = 0;
+    for i in 0..6 {
+        for j in 0..=i {
+            // The triangle of the five rows, then the residual with each of them and with itself.
+            for lane in 0..LANES {
+                sums[at][lane] += rows[i][lane] * rows[j][lane];
+            }
+            at += 1;
+        }
+    }
 }
 
 /// Coordinates in which the points are near the origin and of size 1.

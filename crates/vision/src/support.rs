@@ -4,7 +4,9 @@ use crate::edges::EdgeMap;
 use crate::shape::Shape;
 
 /// Steps along a contour at the most.
-pub(crate) const STEPS_MAX: usize = 320;
+pub(crate) const STEPS_MAX: usize = 240;
+/// Distance of two steps on a contour that is not too long for it, in pixels.
+const STEP_PX: f64 = 1.25;
 
 /// What lies along a contour.
 #[derive(Debug, Clone, Copy, Default)]
@@ -82,7 +84,7 @@ impl Along {
     ) -> Support {
         let ellipse = shape.ellipse();
         let perimeter = ellipse.perimeter_px();
-        let count = (perimeter as usize).clamp(24, steps_max);
+        let count = ((perimeter / STEP_PX) as usize).clamp(24, steps_max);
         let (a, b) = (ellipse.semi_major_px, ellipse.semi_minor_px);
         let (sin, cos) = ellipse.theta_rad.sin_cos();
         let turn = std::f64::consts::TAU / count as f64;
@@ -97,31 +99,42 @@ impl Along {
             let (u, v) = (a * along, b * across);
             let x = shape.x + u * cos - v * sin;
             let y = shape.y + u * sin + v * cos;
-            let length = turn * (a * a * across * across + b * b * along * along).sqrt();
+            // The normal is (b cos t, a sin t) in the ellipse's frame; its length is that of a step, too.
+            let (normal_u, normal_v) = (b * along, a * across);
+            let speed = (normal_u * normal_u + normal_v * normal_v).sqrt();
+            let normal_x = (normal_u * cos - normal_v * sin) / speed;
+            let normal_y = (normal_u * sin + normal_v * cos) / speed;
+            let length = turn * speed;
             (along, across) =
                 (along * turn_cos - across * turn_sin, across * turn_cos + along * turn_sin);
             whole += length;
-            let mut step = Step { hit: NONE, length: 0.0, distance: tolerance, cosine: 0.0, is_end: false };
+            let mut step =
+                Step { hit: NONE, length: 0.0, distance: tolerance, cosine: 0.0, is_end: false };
             if x >= 1.0 && y >= 1.0 && x <= width - 2.0 && y <= height - 2.0 {
                 step.length = length;
-                let (_, normal_x, normal_y) = shape.distance(x, y);
                 let mut look = |number: u32| {
                     let point = &points[number as usize];
                     let (dx, dy) = (f64::from(point.x) - x, f64::from(point.y) - y);
                     let distance = (dx * normal_x + dy * normal_y).abs();
-                    let sideways = (dx * normal_y - dy * normal_x).abs();
                     let cosine = normal_x * f64::from(point.gradient_x)
                         + normal_y * f64::from(point.gradient_y);
-                    if distance < step.distance && sideways < 1.1 && cosine.abs() > cos_min {
-                        step = Step { hit: number, distance, cosine, ..step };
+                    if distance < step.distance && cosine.abs() > cos_min {
+                        step.hit = number;
+                        step.distance = distance;
+                        step.cosine = cosine;
                     }
                 };
                 let (column, row) = ((x + 0.5) as i32, (y + 0.5) as i32);
-                // Across the contour as far as the tolerance, along it one pixel.
-                let (wide, high) =
-                    if normal_x.abs() > normal_y.abs() { (reach, 1) } else { (1, reach) };
-                for line in row - high..=row + high {
-                    edges.map.visit_run(column, line, wide, &mut look);
+                // Points are maxima along the axis nearer to their gradient: one a row of an upright contour, one a
+                // column of a lying one.
+                if normal_x.abs() > normal_y.abs() {
+                    edges.map.visit_run(column, row, reach, &mut look);
+                } else {
+                    for line in row - reach..=row + reach {
+                        if let Some(number) = edges.map.number_at(column, line) {
+                            look(number);
+                        }
+                    }
                 }
             }
             self.steps.push(step);
@@ -216,8 +229,13 @@ pub(crate) fn clutter(edges: &EdgeMap, shape: &Shape) -> f64 {
     for (x, y) in shape.ellipse().outline(PLACES) {
         let (_, normal_x, normal_y) = shape.distance(x, y);
         for side in [-4.0, 4.0] {
-            let (column, row) = ((x + side * normal_x + 0.5) as i32, (y + side * normal_y + 0.5) as i32);
-            if column < 2 || row < 2 || column + 2 >= edges.map.width() as i32 || row + 2 >= edges.map.height() as i32 {
+            let (column, row) =
+                ((x + side * normal_x + 0.5) as i32, (y + side * normal_y + 0.5) as i32);
+            if column < 2
+                || row < 2
+                || column + 2 >= edges.map.width() as i32
+                || row + 2 >= edges.map.height() as i32
+            {
                 continue;
             }
             looks += 1;

@@ -47,6 +47,17 @@ impl PointMap {
         &mut self.words[y * self.words_per_row..(y + 1) * self.words_per_row]
     }
 
+    /// The number of the point at a pixel, if it has one; none outside the picture.
+    #[inline(always)]
+    pub(crate) fn number_at(&self, x: i32, y: i32) -> Option<u32> {
+        if x < 0 || y < 0 || x >= self.width as i32 || y >= self.height as i32 {
+            return None;
+        }
+        let at = y as usize * self.words_per_row + x as usize / 64;
+        let (word, bit) = (self.words[at], 1_u64 << (x % 64));
+        (word & bit != 0).then(|| self.ranks[at] + (word & (bit - 1)).count_ones())
+    }
+
     /// Calls `visit` with the number of every point whose pixel lies in columns `x - reach..=x + reach` of row `y`.
     /// Columns and rows outside the picture have none. `reach` is at most 31.
     #[inline(always)]

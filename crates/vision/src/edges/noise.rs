@@ -26,7 +26,8 @@ pub(super) fn estimate(picture: &GrayView<'_>) -> f32 {
     for y in (1..height - 1).step_by(step) {
         let [above, here, below] = [picture.row(y - 1), picture.row(y), picture.row(y + 1)];
         for x in (1..width - 1).step_by(step) {
-            let sum = |row: &[u8]| i32::from(row[x - 1]) - 2 * i32::from(row[x]) + i32::from(row[x + 1]);
+            let sum =
+                |row: &[u8]| i32::from(row[x - 1]) - 2 * i32::from(row[x]) + i32::from(row[x + 1]);
             let response = sum(above) - 2 * sum(here) + sum(below);
             histogram[(response.unsigned_abs() as usize / 2).min(BINS - 1)] += 1;
             count += 1;

@@ -54,24 +54,13 @@ impl Rows {
         let row = |y: usize| &picture.row(y.min(last))[..width];
         let (a, b, c) = (row(y.saturating_sub(2)), row(y.saturating_sub(1)), row(y));
         let (d, e) = (row(y + 1), row(y + 2));
-        let sums = &mut self.vertical[2..][..width];
-        for x in 0..width {
-            let outer = u16::from(a[x]) + u16::from(e[x]);
-            let inner = u16::from(b[x]) + u16::from(d[x]);
-            sums[x] = outer + 4 * inner + 6 * u16::from(c[x]);
-        }
+        add_rows([a, b, c, d, e], &mut self.vertical[2..][..width]);
         let (first, end) = (self.vertical[2], self.vertical[width + 1]);
         self.vertical[..2].fill(first);
         self.vertical[width + 2..].fill(end);
         let sums = |shift: usize| &self.vertical[shift..][..width];
-        let (a, b, c, d, e) = (sums(0), sums(1), sums(2), sums(3), sums(4));
         let out = &mut self.smoothed[y % KEPT];
-        let inner = &mut out[1..][..width];
-        for x in 0..width {
-            let sum = a[x] + e[x] + 4 * (b[x] + d[x]) + 6 * c[x];
-            // At most 256 * 255 / 8.
-            inner[x] = (sum >> 3) as i16;
-        }
+        add_columns([sums(0), sums(1), sums(2), sums(3), sums(4)], &mut out[1..][..width]);
         out[0] = out[1];
         out[width + 1] = out[width];
     }
@@ -85,16 +74,12 @@ impl Rows {
         let (left, right) = (&here[..width], &here[2..][..width]);
         let below = &self.smoothed[(y + 1).min(height - 1) % KEPT][1..][..width];
         let out = &mut self.gradients[y % KEPT];
-        let out_x = &mut out.x[1..][..width];
-        let out_y = &mut out.y[1..][..width];
-        let magnitude = &mut out.magnitude[1..][..width];
-        for x in 0..width {
-            let along = f32::from(right[x] - left[x]);
-            let down = f32::from(below[x] - above[x]);
-            out_x[x] = along;
-            out_y[x] = down;
-            magnitude[x] = (along * along + down * down).sqrt();
-        }
+        differences(
+            [left, right, above, below],
+            &mut out.x[1..][..width],
+            &mut out.y[1..][..width],
+            &mut out.magnitude[1..][..width],
+        );
     }
 
     /// Sets the bit of every pixel of row `y` that is a maximum along the gradient's main axis and above `threshold`.
@@ -104,20 +89,11 @@ impl Rows {
         let above = &self.gradients[(y - 1) % KEPT].magnitude[1..][..width];
         let row = &self.gradients[y % KEPT];
         let below = &self.gradients[(y + 1) % KEPT].magnitude[1..][..width];
-        let (left, here, right) = (
-            &row.magnitude[..width],
-            &row.magnitude[1..][..width],
-            &row.magnitude[2..][..width],
-        );
+        let (left, here, right) =
+            (&row.magnitude[..width], &row.magnitude[1..][..width], &row.magnitude[2..][..width]);
         let (along, down) = (&row.x[1..][..width], &row.y[1..][..width]);
         let mask = &mut self.mask[..width];
-        for x in 0..width {
-            let is_across = along[x].abs() >= down[x].abs();
-            let before = if is_across { left[x] } else { above[x] };
-            let behind = if is_across { right[x] } else { below[x] };
-            let is_maximum = (here[x] > threshold) & (here[x] > before) & (here[x] >= behind);
-            mask[x] = u8::from(is_maximum);
-        }
+        maxima([left, here, right, above, below], [along, down], threshold, mask);
         // The frame has no gradient of its own: outside it the border goes on.
         mask[0] = 0;
         mask[width - 1] = 0;
@@ -148,6 +124,60 @@ impl Rows {
             gradient_y: down / middle,
             contrast: middle / MAGNITUDE_PER_GREY,
         }
+    }
+}
+
+/// The weighted sum of five rows of pixels.
+#[inline(always)]
+fn add_rows([a, b, c, d, e]: [&[u8]; 5], sums: &mut [u16]) {
+    for (((((sum, a), b), c), d), e) in sums.iter_mut().zip(a).zip(b).zip(c).zip(d).zip(e) {
+        let outer = u16::from(*a) + u16::from(*e);
+        let inner = u16::from(*b) + u16::from(*d);
+        *sum = outer + 4 * inner + 6 * u16::from(*c);
+    }
+}
+
+/// The weighted sum of five neighbours in a row of such sums, at most 256 * 255, over 8.
+#[inline(always)]
+fn add_columns([a, b, c, d, e]: [&[u16]; 5], smoothed: &mut [i16]) {
+    for (((((out, a), b), c), d), e) in smoothed.iter_mut().zip(a).zip(b).zip(c).zip(d).zip(e) {
+        *out = ((a + e + 4 * (b + d) + 6 * c) >> 3) as i16;
+    }
+}
+
+/// Central differences and their length, from the values to the left, to the right, above and below.
+#[inline(always)]
+fn differences(
+    [left, right, above, below]: [&[i16]; 4],
+    along: &mut [f32],
+    down: &mut [f32],
+    magnitude: &mut [f32],
+) {
+    let inputs = left.iter().zip(right).zip(above).zip(below);
+    let outputs = along.iter_mut().zip(down).zip(magnitude);
+    for ((((left, right), above), below), ((along, down), magnitude)) in inputs.zip(outputs) {
+        let (x, y) = (f32::from(right - left), f32::from(below - above));
+        (*along, *down) = (x, y);
+        *magnitude = (x * x + y * y).sqrt();
+    }
+}
+
+/// 1 where a magnitude is above `threshold` and a maximum along the main axis of its gradient, else 0.
+#[inline(always)]
+fn maxima(
+    [left, here, right, above, below]: [&[f32]; 5],
+    [along, down]: [&[f32]; 2],
+    threshold: f32,
+    mask: &mut [u8],
+) {
+    let neighbours = left.iter().zip(right).zip(above).zip(below);
+    let values = here.iter().zip(along).zip(down);
+    for ((mask, (((left, right), above), below)), ((here, along), down)) in
+        mask.iter_mut().zip(neighbours).zip(values)
+    {
+        let across = (here > left) & (here >= right) & (along.abs() >= down.abs());
+        let upright = (here > above) & (here >= below) & (along.abs() < down.abs());
+        *mask = u8::from((*here > threshold) & (across | upright));
     }
 }
 

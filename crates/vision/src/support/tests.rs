@@ -22,7 +22,7 @@ fn a_disc_supports_its_contour() {
         assert!(support.agreement > 0.99, "{truth:?}: {support:?}");
         // Smoothing moves a contour by half its curvature, in pixels.
         let moved_px = 0.5 * truth.semi_major_px / truth.semi_minor_px.powi(2);
-        assert!(support.residual < 0.06 + moved_px, "{truth:?}: {support:?}");
+        assert!(support.residual < 0.1 + moved_px, "{truth:?}: {support:?}");
         assert!((support.inside - 1.0).abs() < 1e-6, "{truth:?}: {support:?}");
         assert!((support.length / truth.perimeter_px() - 1.0).abs() < 0.03, "{truth:?}");
         assert!((0.0..0.03).contains(&support.gap), "{truth:?}: {support:?}");

@@ -10,7 +10,7 @@ use crate::ellipse::Ellipse;
 use crate::image::GrayView;
 use crate::options::{DetectorBuilder, Options, OptionsError};
 use crate::search::Search;
-use crate::select::select;
+use crate::select::{Selection, select};
 
 /// Finds ellipses. Keeps its buffers from picture to picture, so that in a series of pictures of one size nothing is
 /// allocated once they have grown.
@@ -21,6 +21,7 @@ pub struct Detector {
     chains: Chains,
     arcs: Arcs,
     search: Search,
+    selection: Selection,
     detection: Detection,
 }
 
@@ -54,7 +55,13 @@ impl Detector {
         let arcs_at = Instant::now();
         self.search.run(&self.edges, &self.arcs.arcs, &self.options);
         let search_at = Instant::now();
-        select(&mut self.search, &self.edges, &self.options, &mut self.detection);
+        select(
+            &mut self.selection,
+            &mut self.search,
+            &self.edges,
+            &self.options,
+            &mut self.detection,
+        );
         let detection = &mut self.detection;
         detection.truncated = self.search.truncated;
         detection.statistics = Statistics {

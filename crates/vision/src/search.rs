@@ -66,7 +66,7 @@ impl Search {
             let arc = &arcs[*at as usize];
             arc.length_px * arc.turn_rad.min(6.3)
         };
-        self.order.sort_by(|a, b| weight(b).total_cmp(&weight(a)).then(a.cmp(b)));
+        self.order.sort_unstable_by(|a, b| weight(b).total_cmp(&weight(a)).then(a.cmp(b)));
         let order = std::mem::take(&mut self.order);
         for &at in &order {
             let arc = &arcs[at as usize];
@@ -126,7 +126,7 @@ impl Search {
                 self.partners.push((votes * other.length_px.min(500.0) as u32, at));
             }
         }
-        self.partners.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
+        self.partners.sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
         self.partners.truncate(PARTNERS_MAX);
         let partners = std::mem::take(&mut self.partners);
         let mut best: Option<Candidate> = None;

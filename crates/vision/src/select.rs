@@ -18,7 +18,16 @@ const STROKE_WIDTH_MAX_PX: f64 = 12.0;
 /// Least ratio of the areas within the two edges of a stroke.
 const STROKE_AREA_RATIO_MIN: f64 = 1.0 / 3.0;
 
+/// Buffers of the selection.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Selection {
+    kept: Vec<usize>,
+    near: Vec<(Shape, f64, f64)>,
+    merged: Vec<bool>,
+}
+
 pub(crate) fn select(
+    Selection { kept, near, merged }: &mut Selection,
     search: &mut Search,
     edges: &EdgeMap,
     options: &Options,
@@ -26,9 +35,11 @@ pub(crate) fn select(
 ) {
     detection.ellipses.clear();
     detection.support.clear();
-    search.candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let mut kept: Vec<usize> = Vec::new();
-    let mut near: Vec<(Shape, f64, f64)> = Vec::new();
+    search.candidates.sort_unstable_by(|a, b| {
+        b.score.total_cmp(&a.score).then(a.hits.start.cmp(&b.hits.start))
+    });
+    kept.clear();
+    near.clear();
     for (at, candidate) in search.candidates.iter().enumerate() {
         let hits = &search.hits[candidate.hits.clone()];
         let count = hits.len().min(COMPARED);
@@ -49,7 +60,8 @@ pub(crate) fn select(
             near.push((candidate.shape, inner.powi(2), (ellipse.semi_major_px + 2.0).powi(2)));
         }
     }
-    let mut merged = vec![false; kept.len()];
+    merged.clear();
+    merged.resize(kept.len(), false);
     for (i, &one_at) in kept.iter().enumerate() {
         if merged[i] {
             continue;

@@ -24,10 +24,12 @@ pub(crate) struct Selection {
     kept: Vec<usize>,
     near: Vec<(Shape, f64, f64)>,
     merged: Vec<bool>,
+    /// Whether the gradient points inwards, for each ellipse of the result.
+    inward: Vec<bool>,
 }
 
 pub(crate) fn select(
-    Selection { kept, near, merged }: &mut Selection,
+    Selection { kept, near, merged, inward }: &mut Selection,
     search: &mut Search,
     edges: &EdgeMap,
     options: &Options,
@@ -40,6 +42,7 @@ pub(crate) fn select(
     });
     kept.clear();
     near.clear();
+    inward.clear();
     for (at, candidate) in search.candidates.iter().enumerate() {
         let hits = &search.hits[candidate.hits.clone()];
         let count = hits.len().min(COMPARED);
@@ -86,13 +89,16 @@ pub(crate) fn select(
                 ellipse = middle(&ellipse, &search.candidates[other_at].shape.ellipse());
             }
         }
-        if detection
-            .ellipses
-            .iter()
-            .any(|found| found.ellipse.overlap_star(&ellipse) > DOUBLE_OVERLAP)
-        {
+        let is_inward = one.inward() > 0.5;
+        // The two edges of a narrow stroke overlap too, and are told apart by their sense.
+        let is_double = detection.ellipses.iter().zip(&*inward).any(|(found, &sense)| {
+            (sense == is_inward || options.strokes == Strokes::MiddleLine)
+                && found.ellipse.overlap_star(&ellipse) > DOUBLE_OVERLAP
+        });
+        if is_double {
             continue;
         }
+        inward.push(is_inward);
         detection.ellipses.push(DetectedEllipse {
             ellipse,
             score: one.score,

@@ -25,13 +25,16 @@ fn a_stroke_gives_its_middle_line() {
 #[test]
 fn a_stroke_gives_both_edges_on_request() {
     let truth = ellipse(100.3, 79.6, 62.0, 45.0, 0.5);
-    let ellipses = found(&rings(200, 160, &[truth], 6.0), Strokes::BothEdges);
-    let mut semi_majors: Vec<_> =
-        ellipses.iter().map(|found| found.ellipse.semi_major_px).collect();
-    semi_majors.sort_by(f64::total_cmp);
-    assert_eq!(semi_majors.len(), 2, "{ellipses:?}");
-    assert!((semi_majors[0] - 59.0).abs() < 0.3 && (semi_majors[1] - 65.0).abs() < 0.3);
-    assert!(ellipses.iter().all(|found| found.stroke_width_px.is_none()));
+    for width_px in [4.0, 6.0, 9.0] {
+        let ellipses = found(&rings(200, 160, &[truth], width_px), Strokes::BothEdges);
+        let mut semi_majors: Vec<_> =
+            ellipses.iter().map(|found| found.ellipse.semi_major_px).collect();
+        semi_majors.sort_by(f64::total_cmp);
+        assert_eq!(semi_majors.len(), 2, "{width_px} px: {ellipses:?}");
+        assert!((semi_majors[0] - (62.0 - width_px / 2.0)).abs() < 0.3, "{ellipses:?}");
+        assert!((semi_majors[1] - (62.0 + width_px / 2.0)).abs() < 0.3, "{ellipses:?}");
+        assert!(ellipses.iter().all(|found| found.stroke_width_px.is_none()));
+    }
 }
 
 #[test]

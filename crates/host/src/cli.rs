@@ -11,6 +11,7 @@ mod exit;
 mod firmware;
 mod output;
 mod performance;
+mod progress;
 mod registry;
 mod robot;
 mod signal;

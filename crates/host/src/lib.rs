@@ -37,7 +37,8 @@
 //! ```
 //!
 //! Features: `serial` (default), `virtual` (the virtual robot), `registry` (actions by name),
-//! `vision`, and `cli`, which brings the `rsapien` command and all of them.
+//! `vision`, `video` (films and streams), `webcam` (of these, on Linux), and `cli`, which brings the
+//! `rsapien` command and all of them but `webcam`.
 
 #[doc = include_str!("../README.md")]
 #[cfg(doctest)]
@@ -61,6 +62,8 @@ mod record;
 mod robot;
 mod state;
 mod stop;
+#[cfg(feature = "video")]
+pub mod video;
 
 pub use address::LinkAddress;
 pub use control::{CameraController, MotionController, SensorsController};

@@ -27,10 +27,10 @@ fn blank(path: &Path, width: usize, height: usize) {
 }
 
 #[test]
-fn an_ellipse_is_found_and_told_in_every_form() {
+fn the_papers_detector_finds_an_ellipse_and_tells_it_in_every_form() {
     let user = User::new();
     draw(&user.path("one.png"));
-    let run = user.expect(0, &["detect", "--json", "one.png"]);
+    let run = user.expect(0, &["detect", "--preset", "paper", "--json", "one.png"]);
     assert!(run.stdout.starts_with("{\"image\":\"one.png\",\"width\":320,\"height\":240,\"ms\":"));
     let answer = run.json();
     let ellipses = answer["ellipses"].as_array().unwrap();
@@ -44,7 +44,7 @@ fn an_ellipse_is_found_and_told_in_every_form() {
     let angle = value(4);
     assert!((0.0..std::f64::consts::PI).contains(&angle), "{answer}");
 
-    let text = user.expect(0, &["detect", "one.png"]).stdout;
+    let text = user.expect(0, &["detect", "--preset", "paper", "one.png"]).stdout;
     assert!(text.starts_with("one.png (320 x 240): 1 ellipse in "), "{text}");
     let tables = user.expect(0, &["detect", "--table", "one.png"]).stdout;
     for words in ["Table 2", "Alfa (rad)", "Table 3", "Search Point Pairs"] {
@@ -58,16 +58,101 @@ fn an_ellipse_is_found_and_told_in_every_form() {
 }
 
 #[test]
+fn the_default_detector_finds_it_between_pixels_and_tells_what_speaks_for_it() {
+    let user = User::new();
+    draw(&user.path("one.png"));
+    let run = user.expect(0, &["detect", "--json", "--points", "--covariance", "one.png"]);
+    assert!(run.stdout.starts_with("{\"image\":\"one.png\",\"width\":320,\"height\":240,\"ms\":"));
+    let answer = run.json();
+    assert_eq!(answer["truncated"], false);
+    let [ellipse] = answer["ellipses"].as_array().unwrap().as_slice() else {
+        panic!("{answer}");
+    };
+    // The drawing is not anti-aliased, which alone shifts an edge by parts of a pixel.
+    for (index, expected) in [150.0, 110.0, 50.0, 30.0].into_iter().enumerate() {
+        let error = (ellipse[index].as_f64().unwrap() - expected).abs();
+        assert!(error < 0.5, "{index}: {answer}");
+    }
+    let (score, details) = (answer["scores"][0].as_f64().unwrap(), &answer["details"][0]);
+    assert!(score > 0.8 && score <= 1.0, "{answer}");
+    for share in ["support_share", "gradient_agreement"] {
+        assert!(
+            details[share].as_f64().is_some_and(|share| share > 0.8 && share <= 1.0),
+            "{answer}"
+        );
+    }
+    assert!(details["log10_false_alarms"].as_f64().unwrap() < -10.0, "{answer}");
+    assert!(details["points"].as_array().unwrap().len() > 100, "{answer}");
+    let covariance = details["covariance"].as_array().unwrap();
+    assert!(covariance.len() == 5 && covariance[0][0].as_f64().unwrap() > 0.0, "{answer}");
+
+    let text = user.expect(0, &["detect", "one.png"]).stdout;
+    assert!(
+        text.starts_with("one.png (320 x 240): 1 ellipse in ") && text.contains("score"),
+        "{text}"
+    );
+    let table = user.expect(0, &["detect", "--csv", "one.png"]).stdout;
+    let lines: Vec<_> = table.lines().collect();
+    assert!(lines.len() == 2 && lines[0].starts_with("image,center_x_px,"), "{table}");
+    assert!(lines[1].starts_with("one.png,") && lines[1].ends_with(','), "{table}");
+    assert_eq!(lines[0].split(',').count(), lines[1].split(',').count());
+    for outside in [["--max-axis", "40"], ["--min-axis", "35"], ["--region", "200,0,120,240"]] {
+        user.expect(1, &[&["detect", "one.png"][..], &outside].concat());
+    }
+}
+
+#[test]
+fn each_option_is_heard_by_its_own_detector_or_refused() {
+    let user = User::new();
+    draw(&user.path("one.png"));
+    let refused = |options: &[&str], told: &[&str]| {
+        user.expect(2, &[&["detect", "one.png"], options].concat()).told(told);
+    };
+    refused(&["--preset", "default", "--quality", "90"], &["--quality", "--preset paper"]);
+    refused(&["--preset", "paper", "--min-axis", "9"], &["--min-axis", "--semi-minor"]);
+    refused(&["--table", "--min-score", "0.5"], &["--table", "--min-score"]);
+    refused(&["--stages", "folder"], &["--preset paper"]);
+    refused(&["--min-axis", "1"], &["semi_axis_min_px is 1", "--min-axis"]);
+    refused(&["--min-score", "2"], &["score_min is 2", "0 to 1"]);
+    refused(&["--region", "1,2,3"], &["100,50,320,240"]);
+    refused(&["--points"], &["--json"]);
+    refused(&["--csv", "--json"], &["--csv"]);
+    // An option of the paper alone asks for its detector, which writes no scores.
+    let answer = user.expect(0, &["detect", "--json", "--quality", "200", "one.png"]).json();
+    assert!(answer["scores"].is_null() && answer["ellipses"].as_array().unwrap().len() == 1);
+}
+
+#[test]
+fn folders_and_patterns_are_looked_at_by_name() {
+    let user = User::new();
+    std::fs::create_dir(user.path("cups")).unwrap();
+    for name in ["cups/two.png", "cups/one.png"] {
+        draw(&user.path(name));
+    }
+    std::fs::write(user.path("cups/notes.txt"), "no picture").unwrap();
+    let names = |given: &str| {
+        let run = user.expect(0, &["detect", "--preset", "paper", "--json", given]);
+        let name = |line: &serde_json::Value| line["image"].as_str().unwrap().to_owned();
+        run.json_lines().iter().map(name).collect::<Vec<_>>()
+    };
+    assert_eq!(names("cups"), ["one.png", "two.png"]);
+    assert_eq!(names("c*/t*.png"), ["two.png"]);
+    user.expect(2, &["detect", "c*/z*.png"]).told(&["c*/z*.png"]);
+}
+
+#[test]
 fn one_seed_gives_the_same_ellipses_on_any_number_of_threads() {
     let user = User::new();
     draw(&user.path("one.png"));
-    let ellipses = |threads: &str, seed: &str| {
-        let run =
-            user.expect(0, &["detect", "--json", "--threads", threads, "--seed", seed, "one.png"]);
-        run.json()["ellipses"].clone()
-    };
-    assert_eq!(ellipses("1", "5"), ellipses("2", "5"));
-    assert_eq!(ellipses("1", "5"), ellipses("8", "5"));
+    for preset in ["default", "paper"] {
+        let ellipses = |threads: &str| {
+            let options = ["--preset", preset, "--threads", threads, "--seed", "5"];
+            let run = user.expect(0, &[&["detect", "--json", "one.png"][..], &options].concat());
+            run.json()["ellipses"].clone()
+        };
+        assert_eq!(ellipses("1"), ellipses("2"), "{preset}");
+        assert_eq!(ellipses("1"), ellipses("8"), "{preset}");
+    }
 }
 
 #[test]
@@ -77,7 +162,9 @@ fn pictures_go_where_they_are_wanted() {
     draw(&user.path("two.png"));
     user.expect(0, &["detect", "one.png", "--annotate", "deep/found.png"]);
     assert!(is_png(&user.path("deep/found.png")));
-    user.expect(0, &["detect", "one.png", "two.png", "--annotate", "folder", "--stages", "stages"]);
+    let stages = ["--preset", "paper", "--stages", "stages"];
+    let folder = ["detect", "one.png", "two.png", "--annotate", "folder"];
+    user.expect(0, &[&folder[..], &stages].concat());
     for name in ["folder/one-ellipses.png", "folder/two-ellipses.png"] {
         assert!(is_png(&user.path(name)), "{name}");
     }
@@ -129,7 +216,7 @@ fn bad_pictures_are_told_and_the_others_still_run() {
         "empty.png is empty",
         "text.png",
         "huge.pgm",
-        "folder is a folder",
+        "folder is a folder without pictures",
     ]);
     let lines = run.json_lines();
     let found = |line: &serde_json::Value| {

@@ -5,7 +5,7 @@ mod support;
 
 use support::User;
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 17] = [
     "demo",
     "ports",
     "doctor",
@@ -18,6 +18,9 @@ const COMMANDS: [&str; 14] = [
     "look",
     "snapshot",
     "detect",
+    "eval",
+    "bench-detect",
+    "watch",
     "sim",
     "completions",
 ];

@@ -1,7 +1,10 @@
 //! The Python module: conversion between Python and the crates, and nothing else.
 
 mod detect;
+mod detection;
+mod ellipse;
 mod errors;
+mod picture;
 mod registry;
 mod robot;
 mod state;
@@ -19,8 +22,9 @@ fn run_command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 #[pymodule]
 fn _rsapien(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<detect::PyDetection>()?;
-    module.add_class::<detect::PyEllipse>()?;
+    module.add_class::<detect::PyDetector>()?;
+    module.add_class::<detection::PyDetection>()?;
+    module.add_class::<ellipse::PyEllipse>()?;
     module.add_class::<registry::PyRegistry>()?;
     module.add_class::<robot::PyOutcome>()?;
     module.add_class::<robot::PyRobot>()?;

@@ -29,9 +29,11 @@ pub(crate) struct Arc {
     /// Its points in [`Chains::points`].
     pub(crate) range: Range<usize>,
     /// Points at equal steps of the count, first and last included.
-    pub(crate) samples: [EdgePoint; SAMPLES],
-    /// 1 where the gradient points to the side to which the arc turns (bright inside), -1 where it points away.
-    pub(crate) inward: f32,
+    pub(crate) x: [f32; SAMPLES],
+    pub(crate) y: [f32; SAMPLES],
+    /// Unit normals there towards the inside, from the chords between neighbours, which are quieter than gradients.
+    pub(crate) inside_x: [f32; SAMPLES],
+    pub(crate) inside_y: [f32; SAMPLES],
     /// Sum of its turns, radians.
     pub(crate) turn_rad: f32,
     /// Length of its polygon, pixels.
@@ -40,14 +42,6 @@ pub(crate) struct Arc {
     pub(crate) is_ring: bool,
     /// The ellipse through it, for arcs that turn enough to tell.
     pub(crate) shape: Option<Shape>,
-}
-
-impl Arc {
-    /// Unit normal at a sample, towards the inside.
-    #[inline(always)]
-    pub(crate) fn inside(&self, sample: &EdgePoint) -> (f32, f32) {
-        (sample.gradient_x * self.inward, sample.gradient_y * self.inward)
-    }
 }
 
 /// Buffers of the cutting.
@@ -148,7 +142,7 @@ impl Arcs {
         let vertices = std::mem::take(&mut self.vertices);
         let side = |at: usize| {
             let (a, b) = (points[vertices[at]], points[vertices[at + 1]]);
-            (b.x - a.x).hypot(b.y - a.y)
+            ((b.x - a.x).powi(2) + (b.y - a.y).powi(2)).sqrt()
         };
         self.turns.clear();
         self.turns.push(0.0);
@@ -265,18 +259,29 @@ impl Arcs {
         shape: Option<Shape>,
     ) {
         let last = range.len() - 1;
-        let samples = std::array::from_fn(|i| points[range.start + i * last / (SAMPLES - 1)]);
-        let length_px = samples
-            .windows(2)
-            .map(|pair: &[EdgePoint]| (pair[1].x - pair[0].x).hypot(pair[1].y - pair[0].y))
-            .sum();
+        let sample = |i: usize| points[range.start + i * last / (SAMPLES - 1)];
+        let x: [f32; SAMPLES] = std::array::from_fn(|i| sample(i).x);
+        let y: [f32; SAMPLES] = std::array::from_fn(|i| sample(i).y);
+        let side = |i: usize| ((x[i + 1] - x[i]).powi(2) + (y[i + 1] - y[i]).powi(2)).sqrt();
+        let length_px = (0..SAMPLES - 1).map(side).sum();
         if length_px < LENGTH_MIN_PX {
             return;
         }
+        // The inside is where the arc turns to.
+        let sense = turn_rad.signum();
+        let normal = |i: usize| {
+            let (from, to) = (i.saturating_sub(2), (i + 2).min(SAMPLES - 1));
+            let (dx, dy) = (x[to] - x[from], y[to] - y[from]);
+            let scale = sense / (dx * dx + dy * dy).sqrt().max(1e-6);
+            (-dy * scale, dx * scale)
+        };
+        let normals: [(f32, f32); SAMPLES] = std::array::from_fn(normal);
         self.arcs.push(Arc {
             range,
-            samples,
-            inward: -turn_rad.signum(),
+            x,
+            y,
+            inside_x: normals.map(|normal| normal.0),
+            inside_y: normals.map(|normal| normal.1),
             turn_rad: turn_rad.abs(),
             length_px,
             is_ring,
@@ -289,7 +294,7 @@ impl Arcs {
 fn turn(a: EdgePoint, b: EdgePoint, c: EdgePoint) -> (f32, f32) {
     let (ux, uy) = (b.x - a.x, b.y - a.y);
     let (vx, vy) = (c.x - b.x, c.y - b.y);
-    let norm = (ux.hypot(uy) * vx.hypot(vy)).max(1e-9);
+    let norm = ((ux * ux + uy * uy) * (vx * vx + vy * vy)).sqrt().max(1e-9);
     ((ux * vy - uy * vx) / norm, (ux * vx + uy * vy) / norm)
 }
 

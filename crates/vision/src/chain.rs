@@ -41,6 +41,12 @@ impl Chains {
             links.clear();
             links.resize(count, NONE);
         }
+        pulp::Arch::new().dispatch(Linked { chains: self, edges });
+        self.collect(edges);
+    }
+
+    #[inline(always)]
+    fn link_all(&mut self, edges: &EdgeMap) {
         let mut number = 0_u32;
         for y in 0..edges.map.height() {
             for (word_at, &word) in edges.map.row(y).iter().enumerate() {
@@ -53,7 +59,6 @@ impl Chains {
                 }
             }
         }
-        self.collect(edges);
     }
 
     #[inline(always)]
@@ -146,6 +151,21 @@ impl Chains {
         } else {
             self.chains.push(Chain { range: first..self.points.len(), is_ring });
         }
+    }
+}
+
+/// The linking, to be compiled for an instruction set.
+struct Linked<'a> {
+    chains: &'a mut Chains,
+    edges: &'a EdgeMap,
+}
+
+impl pulp::WithSimd for Linked<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _instructions: S) {
+        self.chains.link_all(self.edges);
     }
 }
 

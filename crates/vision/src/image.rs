@@ -168,6 +168,27 @@ impl GrayImage {
         Ok(Self { data, width, height })
     }
 
+    /// The 8-bit picture of `height` rows of `width` 16-bit pixels, `stride` pixels apart: 0 stays 0, 65535 becomes 255,
+    /// and what is between is divided by 257 and rounded. Contrast below 1/257 of the range is lost; stretch a picture
+    /// that uses little of it first.
+    ///
+    /// # Errors
+    /// [`ImageError`] when the picture is empty or too large, or when the data cannot hold it; counts are in pixels of
+    /// two bytes.
+    pub fn from_gray16(
+        data: &[u16],
+        width: usize,
+        height: usize,
+        stride: usize,
+    ) -> Result<Self, ImageError> {
+        check_layout(data.len(), width, height, stride, 1)?;
+        // At most 255, since 65535 + 128 is below 256 * 257.
+        let byte = |value: &u16| ((u32::from(*value) + 128) / 257) as u8;
+        let rows = data.chunks(stride).take(height);
+        let data = rows.flat_map(|row| row.iter().take(width).map(byte)).collect();
+        Ok(Self { data, width, height })
+    }
+
     /// A picture of one grey value and of the size of `like`.
     pub(crate) fn filled_like(like: &GrayView<'_>, value: u8) -> Self {
         Self { data: vec![value; like.width * like.height], width: like.width, height: like.height }
@@ -317,6 +338,15 @@ mod tests {
         let data = [1, 2, 9, 3, 4];
         let view = GrayView::new(&data, 2, 2, 3).unwrap();
         assert_eq!(view.to_image().pixels(), [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn sixteen_bits_become_the_nearest_of_eight() {
+        let data = [0, 128, 129, 9, 65_535, 257 * 200, 257 * 200 + 129];
+        let picture = GrayImage::from_gray16(&data, 3, 2, 4).unwrap();
+        assert_eq!(picture.pixels(), [0, 0, 1, 255, 200, 201]);
+        assert!(GrayImage::from_gray16(&data, 3, 2, 5).is_err());
+        assert!(GrayImage::from_gray16(&data, 0, 2, 0).is_err());
     }
 
     #[test]

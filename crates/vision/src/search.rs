@@ -8,7 +8,7 @@ use crate::edges::EdgeMap;
 use crate::options::Options;
 use crate::shape::{Point, Shape};
 use crate::support::{Along, Hit, STEPS_MAX, Support};
-use crate::vote::Accumulator;
+use crate::vote::{VOTES, vote};
 
 /// An ellipse with what speaks for it.
 #[derive(Debug, Clone)]
@@ -31,7 +31,7 @@ pub(crate) struct Search {
     pub(crate) pairs: usize,
     pub(crate) tried: usize,
     pub(crate) truncated: bool,
-    accumulator: Accumulator,
+    places: Vec<Place>,
     along: Along,
     points: Vec<Point>,
     distances: Vec<f64>,
@@ -44,8 +44,8 @@ pub(crate) struct Search {
 const PAIRS_MAX: usize = 60_000;
 /// Candidates looked at along their contour in one picture at the most.
 const TRIED_MAX: usize = 6_000;
-/// Least votes of a pair, of the 18 that its arcs have.
-const VOTES_MIN: usize = 12;
+/// Least votes of a pair: two thirds.
+const VOTES_MIN: usize = VOTES * 2 / 3;
 /// Steps of the coarse rounds along a contour.
 const COARSE_STEPS: usize = 80;
 /// Partners of an arc that are tried.
@@ -80,6 +80,8 @@ impl Search {
                 self.accept(candidate, arcs);
             }
         }
+        self.places.clear();
+        self.places.extend(arcs.iter().map(Place::of));
         let mut random = Pcg32::new(options.seed, 0);
         for (rank, &at) in order.iter().enumerate() {
             if self.explained[at as usize] || arcs[at as usize].is_ring {
@@ -102,13 +104,13 @@ impl Search {
     ) {
         let one = &arcs[order[rank] as usize];
         self.partners.clear();
-        let radius = one.length_px / one.turn_rad;
+        let here = self.places[order[rank] as usize];
         for &at in &order[rank + 1..] {
-            if self.explained[at as usize] {
+            if !here.may_face(&self.places[at as usize]) || self.explained[at as usize] {
                 continue;
             }
             let other = &arcs[at as usize];
-            if !can_belong(one, other, radius) {
+            if !can_belong(one, other) {
                 continue;
             }
             if self.pairs >= PAIRS_MAX {
@@ -120,10 +122,10 @@ impl Search {
             for _ in 0..2 {
                 let from = random.random_range(2..SAMPLES - 2);
                 let to = random.random_range(2..SAMPLES - 2);
-                votes = votes.max(self.accumulator.vote(one, from, other, to));
+                votes = votes.max(vote(one, from, other, to));
             }
-            if votes as usize >= VOTES_MIN {
-                self.partners.push((votes * other.length_px.min(500.0) as u32, at));
+            if usize::from(votes) >= VOTES_MIN {
+                self.partners.push((u32::from(votes) * other.length_px.min(500.0) as u32, at));
             }
         }
         self.partners.sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -134,7 +136,10 @@ impl Search {
             let other = &arcs[at as usize];
             self.points.clear();
             self.points.extend(
-                one.samples.iter().chain(&other.samples).map(|s| (f64::from(s.x), f64::from(s.y))),
+                [one, other]
+                    .iter()
+                    .flat_map(|arc| arc.x.iter().zip(&arc.y))
+                    .map(|(x, y)| (f64::from(*x), f64::from(*y))),
             );
             let Some(shape) = Shape::fit_conic(&self.points) else { continue };
             let Some(shape) = shape.fit_distance(&self.points, 4) else { continue };
@@ -162,19 +167,17 @@ impl Search {
             let certain = candidate.score > 0.5;
             let reach = candidate.shape.ellipse().semi_major_px + 2.0;
             for (arc, explained) in arcs.iter().zip(&mut self.explained) {
-                let middle = &arc.samples[SAMPLES / 2];
                 if *explained
                     || !certain
-                    || (f64::from(middle.x) - candidate.shape.x).abs() > reach
-                    || (f64::from(middle.y) - candidate.shape.y).abs() > reach
+                    || (f64::from(arc.x[SAMPLES / 2]) - candidate.shape.x).abs() > reach
+                    || (f64::from(arc.y[SAMPLES / 2]) - candidate.shape.y).abs() > reach
                 {
                     continue;
                 }
-                let near = arc
-                    .samples
-                    .iter()
-                    .filter(|s| {
-                        candidate.shape.distance(f64::from(s.x), f64::from(s.y)).0.abs() < 1.5
+                let near = (0..SAMPLES)
+                    .filter(|&i| {
+                        let (x, y) = (f64::from(arc.x[i]), f64::from(arc.y[i]));
+                        candidate.shape.distance(x, y).0.abs() < 1.5
                     })
                     .count();
                 *explained = near as f32 >= EXPLAINED_MIN * SAMPLES as f32;
@@ -259,22 +262,54 @@ fn within(shape: &Shape, edges: &EdgeMap, options: &Options) -> bool {
         && ellipse.semi_minor_px >= options.axis_ratio_min * ellipse.semi_major_px
 }
 
-/// Whether two arcs can lie on one ellipse: each on the inner side of the other's tangents, and not too far away.
-fn can_belong(one: &Arc, other: &Arc, radius: f32) -> bool {
-    const PLACES: [usize; 3] = [1, SAMPLES / 2, SAMPLES - 2];
-    let reach = 8.0 * radius.max(other.length_px / other.turn_rad);
-    let (a, b) = (&one.samples[SAMPLES / 2], &other.samples[SAMPLES / 2]);
-    if (a.x - b.x).abs() > reach || (a.y - b.y).abs() > reach {
-        return false;
+/// The middle of an arc, for the first look at a pair.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    x: f32,
+    y: f32,
+    inside_x: f32,
+    inside_y: f32,
+    reach: f32,
+}
+
+impl Place {
+    fn of(arc: &Arc) -> Self {
+        let middle = SAMPLES / 2;
+        Self {
+            x: arc.x[middle],
+            y: arc.y[middle],
+            inside_x: arc.inside_x[middle],
+            inside_y: arc.inside_y[middle],
+            reach: REACH_RADII * arc.length_px / arc.turn_rad,
+        }
     }
-    let inner = |arc: &Arc, at: usize, point: &crate::edges::EdgePoint| {
-        let from = &arc.samples[at];
-        let (nx, ny) = arc.inside(from);
-        let (dx, dy) = (point.x - from.x, point.y - from.y);
-        // The gradient may be off by a few degrees.
-        dx * nx + dy * ny > -1.5 - 0.1 * (dx.abs() + dy.abs())
+
+    /// Whether the middle of each is on the inner side of the other, and near enough.
+    #[inline(always)]
+    fn may_face(&self, other: &Self) -> bool {
+        let (dx, dy) = (other.x - self.x, other.y - self.y);
+        let slack = -1.5 - SLACK * (dx.abs() + dy.abs());
+        let reach = self.reach.max(other.reach);
+        (dx * self.inside_x + dy * self.inside_y > slack)
+            & (-dx * other.inside_x - dy * other.inside_y > slack)
+            & (dx.abs() < reach)
+            & (dy.abs() < reach)
+    }
+}
+
+/// How many of its radii an arc may be away from another one.
+const REACH_RADII: f32 = 8.0;
+/// Normals are off by up to this, radians.
+const SLACK: f32 = 0.1;
+
+/// Whether two arcs can lie on one ellipse: each on the inner side of the other's tangents.
+fn can_belong(one: &Arc, other: &Arc) -> bool {
+    const PLACES: [usize; 3] = [1, SAMPLES / 2, SAMPLES - 2];
+    let inner = |arc: &Arc, i: usize, point: &Arc, j: usize| {
+        let (dx, dy) = (point.x[j] - arc.x[i], point.y[j] - arc.y[i]);
+        dx * arc.inside_x[i] + dy * arc.inside_y[i] > -1.5 - SLACK * (dx.abs() + dy.abs())
     };
-    PLACES.iter().all(|&i| {
-        PLACES.iter().all(|&j| inner(one, i, &other.samples[j]) && inner(other, j, &one.samples[i]))
-    })
+    PLACES
+        .iter()
+        .all(|&i| PLACES.iter().all(|&j| inner(one, i, other, j) && inner(other, j, one, i)))
 }

@@ -82,6 +82,28 @@ impl Along {
         cos_min: f64,
         steps_max: usize,
     ) -> Support {
+        let whole = pulp::Arch::new().dispatch(Walked {
+            along: self,
+            edges,
+            shape,
+            tolerance,
+            cos_min,
+            steps_max,
+        });
+        self.drop_short_stretches(STRETCH_MIN_PX.min(STRETCH_MIN_SHARE * whole));
+        self.sum_up(edges, whole)
+    }
+
+    /// Fills the steps; returns the length of the contour in pixels.
+    #[inline(always)]
+    fn walk(
+        &mut self,
+        edges: &EdgeMap,
+        shape: &Shape,
+        tolerance: f64,
+        cos_min: f64,
+        steps_max: usize,
+    ) -> f64 {
         let ellipse = shape.ellipse();
         let perimeter = ellipse.perimeter_px();
         let count = ((perimeter / STEP_PX) as usize).clamp(24, steps_max);
@@ -139,8 +161,7 @@ impl Along {
             }
             self.steps.push(step);
         }
-        self.drop_short_stretches(STRETCH_MIN_PX.min(STRETCH_MIN_SHARE * whole));
-        self.sum_up(edges, whole)
+        whole
     }
 
     /// Forgets the hits of stretches shorter than `least` pixels. A single step without a hit does not end a stretch.
@@ -219,6 +240,26 @@ impl Along {
         support.inside = inside / whole.max(1e-300);
         support.length = inside;
         support
+    }
+}
+
+/// The walk along a contour, to be compiled for an instruction set.
+struct Walked<'a> {
+    along: &'a mut Along,
+    edges: &'a EdgeMap,
+    shape: &'a Shape,
+    tolerance: f64,
+    cos_min: f64,
+    steps_max: usize,
+}
+
+impl pulp::WithSimd for Walked<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _instructions: S) -> f64 {
+        let Self { along, edges, shape, tolerance, cos_min, steps_max } = self;
+        along.walk(edges, shape, tolerance, cos_min, steps_max)
     }
 }
 

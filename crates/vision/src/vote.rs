@@ -8,83 +8,85 @@
 //! across the line. The fullest window of bins tells how many of the points agree.
 
 use crate::arc::{Arc, SAMPLES};
-use crate::edges::EdgePoint;
 
 /// Bins of the accumulator.
-const BINS: usize = 128;
+const BINS: usize = 64;
 /// Bins for a factor of two in `k`.
 const BINS_PER_OCTAVE: f32 = 5.0;
-/// Neighbouring bins that count together: 1 + 2 * this.
-const WINDOW: usize = 1;
+/// Neighbouring bins that count together.
+const WINDOW: usize = 3;
+/// Samples on either side of the pair's own that do not vote: so near, the quotient is mostly noise.
+const BLIND: usize = 1;
+/// Votes that two arcs have, when no sample of the pair is at an end.
+pub(crate) const VOTES: usize = 2 * (SAMPLES - 1 - 2 * BLIND);
 
-/// The accumulator.
-#[derive(Debug, Clone)]
-pub(crate) struct Accumulator {
-    counts: [u8; BINS],
-}
-
-impl Default for Accumulator {
-    fn default() -> Self {
-        Self { counts: [0; BINS] }
+/// Lets the samples of two arcs vote for the conics that touch them at sample `from` of the one and `to` of the other;
+/// returns the votes of the fullest window.
+pub(crate) fn vote(one: &Arc, from: usize, other: &Arc, to: usize) -> u8 {
+    let (px, py, qx, qy) = (one.x[from], one.y[from], other.x[to], other.y[to]);
+    let (chord_x, chord_y) = (qx - px, qy - py);
+    let length2 = chord_x * chord_x + chord_y * chord_y;
+    if length2 < 16.0 {
+        return 0;
     }
+    let pair = Pair {
+        p: (px, py),
+        q: (qx, qy),
+        p_normal: (one.inside_x[from], one.inside_y[from]),
+        q_normal: (other.inside_x[to], other.inside_y[to]),
+        chord: (chord_x, chord_y),
+        length2,
+    };
+    let mut counts = [0_u8; BINS + WINDOW];
+    pair.cast(one, from, &mut counts);
+    pair.cast(other, to, &mut counts);
+    // Bin 0 takes what lies outside the range, and is not looked at.
+    let mut fullest = 0;
+    for at in 1..BINS {
+        fullest = fullest.max(counts[at] + counts[at + 1] + counts[at + 2]);
+    }
+    fullest
 }
 
-impl Accumulator {
-    /// Lets the samples of two arcs vote for the conics that touch them at sample `from` of the one and `to` of the other;
-    /// returns the votes of the fullest window.
-    pub(crate) fn vote(&mut self, one: &Arc, from: usize, other: &Arc, to: usize) -> u32 {
-        let (p, q) = (&one.samples[from], &other.samples[to]);
-        let (n1x, n1y) = normal(one, from);
-        let (n2x, n2y) = normal(other, to);
-        let (cx, cy) = (q.x - p.x, q.y - p.y);
-        let length = cx.hypot(cy);
-        if length < 4.0 {
-            return 0;
+/// The pencil of conics that touch two lines at two points.
+struct Pair {
+    p: (f32, f32),
+    q: (f32, f32),
+    p_normal: (f32, f32),
+    q_normal: (f32, f32),
+    chord: (f32, f32),
+    length2: f32,
+}
+
+impl Pair {
+    /// The samples of `arc` vote, but for those next to `own`.
+    #[inline(always)]
+    fn cast(&self, arc: &Arc, own: usize, counts: &mut [u8; BINS + WINDOW]) {
+        let mut bins = [0_u8; SAMPLES];
+        for at in 0..SAMPLES {
+            let (dx, dy) = (arc.x[at] - self.p.0, arc.y[at] - self.p.1);
+            let l1 = dx * self.p_normal.0 + dy * self.p_normal.1;
+            let l2 =
+                (arc.x[at] - self.q.0) * self.q_normal.0 + (arc.y[at] - self.q.1) * self.q_normal.1;
+            let m = dy * self.chord.0 - dx * self.chord.1;
+            let k = l1 * l2 * self.length2 / (m * m);
+            let place = log2(k) * BINS_PER_OCTAVE + BINS as f32 / 2.0;
+            // Not a number where k is negative or 0 / 0.
+            let is_inside = k > 0.0 && place >= 1.0 && place < BINS as f32;
+            bins[at] = if is_inside { place as u8 } else { 0 };
         }
-        let (mx, my) = (-cy / length, cx / length);
-        self.counts.fill(0);
-        let mut vote = |point: &EdgePoint| {
-            let (dx, dy) = (point.x - p.x, point.y - p.y);
-            let l1 = dx * n1x + dy * n1y;
-            let l2 = (point.x - q.x) * n2x + (point.y - q.y) * n2y;
-            let m = dx * mx + dy * my;
-            let k = l1 * l2 / (m * m);
-            if k > 0.0 && k < f32::MAX {
-                let bin = log2(k) * BINS_PER_OCTAVE + BINS as f32 / 2.0;
-                let bin = (bin.max(0.0) as usize).min(BINS - 1);
-                self.counts[bin] += 1;
+        for (at, &bin) in bins.iter().enumerate() {
+            if at.abs_diff(own) > BLIND {
+                counts[usize::from(bin) % BINS] += 1;
             }
-        };
-        for at in (0..SAMPLES).filter(|&at| at.abs_diff(from) > 1) {
-            vote(&one.samples[at]);
         }
-        for at in (0..SAMPLES).filter(|&at| at.abs_diff(to) > 1) {
-            vote(&other.samples[at]);
-        }
-        self.counts
-            .windows(2 * WINDOW + 1)
-            .map(|window| window.iter().map(|&count| u32::from(count)).sum())
-            .max()
-            .unwrap_or(0)
     }
-}
-
-/// Unit normal at a sample towards the inside, from the chord of its neighbours, which is quieter than the gradient.
-fn normal(arc: &Arc, at: usize) -> (f32, f32) {
-    let (a, b) = (&arc.samples[at - 2], &arc.samples[at + 2]);
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let length = dx.hypot(dy).max(1e-6);
-    let (nx, ny) = (-dy / length, dx / length);
-    let (ix, iy) = arc.inside(&arc.samples[at]);
-    let sign = (nx * ix + ny * iy).signum();
-    (nx * sign, ny * sign)
 }
 
 /// Binary logarithm to about 0.1: exponent and mantissa taken as a line.
 #[inline(always)]
 fn log2(value: f32) -> f32 {
-    let bits = value.to_bits();
-    (bits as f32) * (1.0 / 8_388_608.0) - 127.0
+    value.to_bits() as f32 * (1.0 / 8_388_608.0) - 127.0
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
 //! The subcommands, one a file.
 
 mod actions;
+mod bench_detect;
 mod completions;
 mod demo;
 mod detect;
 mod do_primitives;
 mod doctor;
+mod eval;
 mod init;
 mod look;
 mod play;
@@ -14,6 +16,7 @@ mod sim;
 mod snapshot;
 mod state;
 mod stop;
+mod watch;
 
 use std::io::Write;
 
@@ -38,6 +41,9 @@ pub(crate) enum Command {
     Look(look::Cmd),
     Snapshot(snapshot::Cmd),
     Detect(detect::Cmd),
+    Eval(eval::Cmd),
+    BenchDetect(bench_detect::Cmd),
+    Watch(watch::Cmd),
     Sim(sim::Cmd),
     Completions(completions::Cmd),
 }
@@ -58,6 +64,9 @@ impl Command {
             Self::Look(cmd) => cmd.run(context, out),
             Self::Snapshot(cmd) => cmd.run(context, out),
             Self::Detect(cmd) => cmd.run(context, out),
+            Self::Eval(cmd) => cmd.run(context, out),
+            Self::BenchDetect(cmd) => cmd.run(context, out),
+            Self::Watch(cmd) => cmd.run(context, out),
             Self::Sim(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),
         }

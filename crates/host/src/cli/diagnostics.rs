@@ -55,6 +55,14 @@ impl Failure {
         }
     }
 
+    /// The user ended a run over pictures, `done` of `total` of which were finished.
+    pub(crate) fn interrupted_after(done: usize, total: usize) -> Self {
+        Self {
+            status: Status::Interrupted,
+            ..Self::new(format!("interrupted; {done} of {total} pictures were finished"))
+        }
+    }
+
     /// An error and everything beneath it.
     pub(crate) fn from_error(error: &(dyn Error + 'static)) -> Self {
         Self {

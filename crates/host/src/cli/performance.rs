@@ -4,14 +4,13 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::sync::PoisonError;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use rsapien_protocol::{Joint, Step};
 use rsapien_sim::geometry::RobotPose;
 
 use super::context::Context;
 use super::diagnostics::{Failure, Result};
 use super::exit::Status;
-use super::output::{Screen, Style};
+use super::progress;
 use super::robot::OpenRobot;
 use super::view;
 use crate::{Interruption, MotionController, Outcome, PlayOptions, PlayReport};
@@ -95,7 +94,7 @@ pub(crate) fn run(
     motion: &mut MotionController,
     steps: &[Step],
 ) -> Result<PlayReport> {
-    let bar = progress_bar(context.style);
+    let bar = progress::bar(context.style);
     let mut options = PlayOptions {
         cancel: open.cancel.clone(),
         on_progress: Some(Box::new(|progress| {
@@ -109,20 +108,6 @@ pub(crate) fn run(
     drop(options);
     bar.finish_and_clear();
     open.done(report)
-}
-
-/// A bar on the standard error, where that is a terminal.
-fn progress_bar(style: Style) -> ProgressBar {
-    if !style.error.is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let template =
-        if style.error == Screen::Color { "{bar:30.green} {msg}" } else { "{bar:30} {msg}" };
-    let bar = ProgressBar::new(0);
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style.progress_chars("━╸ "));
-    }
-    bar
 }
 
 /// The outcome in a word, with its detail, and the exit status.

@@ -1,7 +1,7 @@
 """A toy humanoid as a laboratory robot, and an ellipse detector.
 
 ``Robot`` is the robot, real or virtual; ``Registry`` its actions; ``detect`` finds ellipses in a numpy
-array. Every error is a ``RsapienError``, but for wrong types and values, which are ``TypeError`` and
+array, ``Detector`` in many. Every error is a ``RsapienError``, but for wrong types and values, which are ``TypeError`` and
 ``ValueError`` as usual.
 """
 
@@ -10,6 +10,7 @@ from rsapien._rsapien import (
     BadReport,
     ControllerHeld,
     Detection,
+    Detector,
     Ellipse,
     LinkError,
     LinkTimeout,
@@ -32,6 +33,7 @@ __all__ = [
     "BadReport",
     "ControllerHeld",
     "Detection",
+    "Detector",
     "Ellipse",
     "LinkError",
     "LinkTimeout",

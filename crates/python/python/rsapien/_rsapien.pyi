@@ -49,9 +49,32 @@ class UnknownAction(RegistryError):
 class ActionRefused(RegistryError):
     """An action that is wrong; the text says where."""
 
-class Ellipse:
-    """An ellipse found in a picture: pixel centres at integers, y down."""
+RotatedRect = tuple[tuple[float, float], tuple[float, float], float]
 
+class Ellipse:
+    """An ellipse: pixel centres at integers, y down, lengths in pixels, angles in radians."""
+
+    def __new__(
+        cls, center_x: float, center_y: float, semi_major: float, semi_minor: float, theta: float = 0.0
+    ) -> Ellipse:
+        """An ellipse by its numbers, as in ``Ellipse(*row)`` with a row of ``Detection.to_array()``.
+
+        Semi-axes in the wrong order are swapped, and ``theta`` with them. Raises ``ValueError`` where one
+        is not above 0.
+        """
+    @staticmethod
+    def from_rotated_rect(rect: RotatedRect) -> Ellipse:
+        """From OpenCV's ``RotatedRect``, as ``cv2.fitEllipse`` returns it."""
+    def to_rotated_rect(self) -> RotatedRect:
+        """OpenCV's ``RotatedRect``, as ``cv2.ellipse`` takes it: centre, (width, height), degrees.
+
+        The width is the major axis, twice ``semi_major``.
+        """
+    def patch(self, **kwargs: Any) -> Any:
+        """A ``matplotlib.patches.Ellipse`` for axes that show the picture with ``imshow``.
+
+        Keyword arguments are the patch's; without ``fill=True`` it is a line. Needs matplotlib.
+        """
     @property
     def center(self) -> tuple[float, float]:
         """x and y of the centre, in pixels."""
@@ -65,27 +88,64 @@ class Ellipse:
     def theta(self) -> float:
         """Angle of the major axis from +x towards +y, in radians."""
     @property
-    def quality(self) -> int:
-        """The paper's ellipse quality: edge points on the contour."""
+    def score(self) -> Optional[float]:
+        """How much speaks for it, 0 to 1.
+
+        This and what follows is ``None`` for an ellipse that the default detector did not find.
+        """
+    @property
+    def support_share(self) -> Optional[float]:
+        """Share of the contour inside the picture along which an edge was found."""
+    @property
+    def gradient_agreement(self) -> Optional[float]:
+        """Mean cosine of the angle between the gradient at these edges and the ellipse's normal."""
+    @property
+    def log10_false_alarms(self) -> Optional[float]:
+        """Logarithm of the number of ellipses as good as this that chance would show in the picture."""
+    @property
+    def residual(self) -> Optional[float]:
+        """Root mean square distance of the edges from the ellipse, in pixels."""
+    @property
+    def stroke_width(self) -> Optional[float]:
+        """Width of the drawn stroke whose middle line this is, in pixels; ``None`` for an edge."""
+    @property
+    def covariance(self) -> Optional[NDArray[np.float64]]:
+        """Shape (5, 5), of centre x, centre y, semi-major, semi-minor, theta; with ``covariance=True``."""
+    @property
+    def support_points(self) -> NDArray[np.float32]:
+        """Shape (n, 3): x, y and direction of the gradient; empty without ``support_points=True``."""
+    @property
+    def quality(self) -> Optional[int]:
+        """The paper's ellipse quality, edge points on the contour; ``None`` without ``preset="paper"``."""
     def contains(self, x: float, y: float) -> bool:
         """Whether a point of the picture lies inside."""
+    def overlap(self, other: Ellipse) -> float:
+        """Area of the intersection over area of the union, 0 to 1."""
     def __iter__(self) -> Iterator[float]:
         """Centre x, centre y, semi-major, semi-minor, theta."""
 
-class Statistics(TypedDict):
-    """The columns of the paper's Table 3."""
+class Statistics(TypedDict, total=False):
+    """Counts of what a detection did: the first six of the default detector, the others of the paper's."""
 
     edge_points: int
+    chains: int
+    arcs: int
+    pairs: int
+    candidates: int
+    accepted: int
     search_point_pairs: int
     virtual_ellipses: int
     real_ellipses: int
     quality_min: int
 
 class Detection(Sequence[Ellipse]):
-    """What a detection found."""
+    """What a detection found, best first. It keeps a reference to the picture, for ``draw``."""
 
     @property
     def ellipses(self) -> list[Ellipse]: ...
+    @property
+    def scores(self) -> NDArray[np.float64]:
+        """The ellipses' scores, 0 to 1; not a number with ``preset="paper"``, which has none."""
     @property
     def statistics(self) -> Statistics: ...
     @property
@@ -96,14 +156,55 @@ class Detection(Sequence[Ellipse]):
         """What the detection took."""
     def to_array(self) -> NDArray[np.float64]:
         """Shape (n, 5): centre x, centre y, semi-major, semi-minor, theta."""
+    def to_structured(self) -> NDArray[np.void]:
+        """Shape (n,), with the fields ``center_x``, ``center_y``, ``semi_major``, ``semi_minor``, ``theta``, ``score``."""
+    def draw(self, image: Optional[Picture] = None) -> NDArray[np.uint8]:
+        """A copy of the picture (or of ``image``) with the ellipses drawn: shape (height, width, 3), RGB."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int) -> Ellipse: ...  # type: ignore[override]
 
+class Detector:
+    """The default detector with its buffers: quicker than ``detect`` in a series of pictures."""
+
+    def __new__(
+        cls,
+        *,
+        semi_axis_min: Optional[float] = None,
+        semi_axis_max: Optional[float] = None,
+        axis_ratio_min: Optional[float] = None,
+        score_min: Optional[float] = None,
+        region: Optional[Region] = None,
+        strokes: Optional[Literal["middle", "edges"]] = None,
+        support_points: Optional[bool] = None,
+        covariance: Optional[bool] = None,
+        seed: Optional[int] = None,
+    ) -> Detector:
+        """The options are those of ``detect``."""
+    def detect(self, image: Picture) -> Detection:
+        """Finds ellipses; several threads that call this wait for each other."""
+    def detect_many(self, images: Sequence[Picture], *, threads: Optional[int] = None) -> list[Detection]:
+        """Finds the ellipses of many pictures in parallel; the results are in the pictures' order.
+
+        ``threads``, 1 to 256, is as many as the processor has where it is not given; it changes the time
+        and nothing else. Errors name the picture's index.
+        """
+
+Picture = Union[NDArray[np.uint8], NDArray[np.uint16]]
+Region = tuple[int, int, int, int]
+
 def detect(
-    image: NDArray[np.uint8],
+    image: Picture,
     *,
-    preset: Literal["paper"] = "paper",
-    seed: int = 0,
+    preset: Literal["default", "paper"] = "default",
+    semi_axis_min: Optional[float] = None,
+    semi_axis_max: Optional[float] = None,
+    axis_ratio_min: Optional[float] = None,
+    score_min: Optional[float] = None,
+    region: Optional[Region] = None,
+    strokes: Optional[Literal["middle", "edges"]] = None,
+    support_points: Optional[bool] = None,
+    covariance: Optional[bool] = None,
+    seed: Optional[int] = None,
     semi_major: Optional[tuple[float, float]] = None,
     semi_minor: Optional[tuple[float, float]] = None,
     quality: Optional[int] = None,
@@ -111,13 +212,21 @@ def detect(
 ) -> Detection:
     """Finds ellipses.
 
-    ``image`` has shape (height, width), or (height, width, 3 or 4) for RGB or RGBA. A C-contiguous grey
+    ``image`` is ``uint8`` of shape (height, width), or (height, width, 3 or 4) for RGB or RGBA, or
+    ``uint16`` of shape (height, width), of which the upper 8 bits are looked at. A C-contiguous 8-bit grey
     picture is not copied; do not write to it meanwhile, since other threads run during a detection.
-    ``semi_major`` and ``semi_minor`` are the least and greatest semi-axes in pixels, ``quality`` the
-    least number of edge points on a contour, ``distance`` the clusters' similarity threshold. The same
-    seed gives the same ellipses.
 
-    Raises ``TypeError`` for another kind of array and ``ValueError`` for a value out of its range.
+    Of ``preset="default"``: ``semi_axis_min`` (2) and ``semi_axis_max`` bound the semi-minor and the
+    semi-major axis in pixels, ``axis_ratio_min`` (0.2) their ratio, ``score_min`` (0.5) the score;
+    ``region`` is the part of the picture looked at, (left, top, width, height); ``strokes`` tells of a
+    drawn ring its middle line (``"middle"``) or both its edges (``"edges"``); ``support_points`` and
+    ``covariance`` ask for those of each ellipse.
+
+    Of ``preset="paper"``: ``semi_major`` and ``semi_minor`` are the least and greatest semi-axes in pixels,
+    ``quality`` the least number of edge points on a contour, ``distance`` the clusters' similarity threshold.
+
+    The same ``seed`` gives the same ellipses. Raises ``TypeError`` for another kind of array and
+    ``ValueError`` for a value out of its range, or an argument of the other preset.
     """
 
 class ActionSummary(TypedDict):

@@ -1,41 +1,49 @@
 //! `rsapien detect`: the ellipses in pictures.
 
+mod answer;
+mod inputs;
 mod places;
+mod preset;
+mod search;
+mod stages;
 mod tables;
 mod tuning;
 
-use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::PathBuf;
 
 use clap::Args;
-use rsapien_vision::io::{FILE_BYTES_MAX, save_gray_png};
-use rsapien_vision::paper::{Detection, Detector, Stages};
-use rsapien_vision::{Picture, draw};
-use serde::Serialize;
+use rsapien_vision::Picture;
 
+pub(super) use self::inputs::read;
 use self::places::Places;
+pub(super) use self::preset::{DetectorOptions, Preset};
+use self::search::Either;
+pub(super) use self::search::{Found, Search};
+pub(super) use self::stages::{save, save_gray};
 use self::tables::Tables;
 pub(super) use self::tuning::AxisRange;
-use self::tuning::Tuning;
 use super::snapshot;
 use crate::cli::camera::{HeadOptions, Source};
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result, render};
 use crate::cli::exit::Status;
-use crate::cli::output::{Table, json_line};
-
-/// Colour of the virtual ellipses among the pictures of the stages.
-const VIRTUAL_ELLIPSE_COLOR: draw::Color = [64, 96, 255];
+use crate::cli::output::json_line;
+use crate::cli::progress::Progress;
+use crate::cli::signal::Interrupt;
 
 /// Find the ellipses in pictures
 ///
-/// Reads PNG, JPEG, BMP and PNM files (`-` is the standard input) or takes a picture with the robot's camera, and runs
-/// the detector of the paper: noise reduction, gradient, Maximum Variance Threshold, Randomized Hough Transform,
-/// filters of false ellipses, clustering. The same picture, options and seed give the same ellipses.
+/// Reads PNG, JPEG, BMP and PNM files, all of a folder, or the standard input (`-`), or takes a picture with the robot's
+/// camera. Two detectors are there. The preset `default` finds ellipses of any size, to parts of a pixel. The preset
+/// `paper` is the detector of the paper: noise reduction, gradient, Maximum Variance Threshold, Randomized Hough
+/// Transform, filters of false ellipses, clustering; --table, --stages and the options of that detector belong to it, and
+/// giving one of these options or --table asks for it. The same picture, options and seed give the same ellipses.
 ///
 /// With --json each picture is one line: {"image": name, "width": w, "height": h, "ms": time of the detection without
-/// reading the file, "ellipses": [[cx, cy, a, b, theta], ...]}. Coordinates are pixels, the centre of the top left
-/// one at (0, 0), y down; a >= b are semi-axes; theta turns from +x towards +y, in radians.
+/// reading the file, "ellipses": [[cx, cy, a, b, theta], ...], "scores": [...], "details": [...], "truncated": whether
+/// the search was cut short}. Coordinates are pixels, the centre of the top left one at (0, 0), y down; a >= b are
+/// semi-axes; theta turns from +x towards +y, in radians. --csv writes a row an ellipse.
 ///
 /// A picture that cannot be read is told on the standard error and the others still run; the exit status is then 2.
 /// It is 1 when every picture was read and no ellipse found in any.
@@ -43,12 +51,14 @@ const VIRTUAL_ELLIPSE_COLOR: draw::Color = [64, 96, 255];
 #[command(after_help = "\
 Examples:
   rsapien detect cups.png
-  rsapien detect cups.png --annotate found.png --stages stages/
+  rsapien detect cups.png --annotate found.png
+  rsapien detect --json photographs/ > ellipses.jsonl
+  rsapien detect --csv 'photographs/**/*.jpg' --min-axis 20 --min-score 0.7 > ellipses.csv
   rsapien detect --table fig9a.png fig9b.png fig9c.png fig9d.png
-  rsapien detect --json photographs/*.jpg > ellipses.jsonl
-  rsapien detect --camera virtual --pan 40 --tilt -20 --semi-major 20..60 --semi-minor 5..60")]
+  rsapien detect --preset paper cups.png --stages stages/
+  rsapien detect --camera virtual --pan 40 --tilt -20")]
 pub(crate) struct Cmd {
-    /// Pictures; `-` is the standard input
+    /// Pictures, folders of them, or patterns such as 'photographs/*.jpg'; `-` is the standard input
     #[arg(value_name = "IMAGE", required_unless_present = "camera")]
     images: Vec<PathBuf>,
 
@@ -64,67 +74,71 @@ pub(crate) struct Cmd {
     #[arg(long, value_name = "OUT")]
     annotate: Option<PathBuf>,
 
-    /// Write every stage as a picture to this folder (made where missing)
+    /// Write every stage of the paper's detector as a picture to this folder (made where missing)
     #[arg(long, value_name = "DIR")]
     stages: Option<PathBuf>,
 
-    /// Print the paper's Table 2 and Table 3 for these pictures; with --json add the counts to each line
+    /// Print the paper's Table 2 and Table 3 for these pictures, as its detector fills them; with --json add the counts
+    /// to each line
     #[arg(long)]
     table: bool,
 
-    /// Seed of the randomised search
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// Write CSV: a line of the columns' names, then a row an ellipse
+    #[arg(long, conflicts_with = "table")]
+    csv: bool,
 
-    /// Threads to use, 1 to 256; as many as the processor has by default
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
-    threads: Option<u16>,
+    /// Look N times at each picture and tell the median of the times
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeat: u32,
 
     #[command(flatten)]
-    tuning: Tuning,
+    detector: DetectorOptions,
 }
 
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
-        let detector = self.tuning.detector()?;
-        if self.camera.is_none() && (self.head.pan.is_some() || self.head.tilt.is_some()) {
-            return Err(Failure::new(
-                "--pan and --tilt turn the head of a camera, and these are files",
-            )
-            .hint("take a picture with --camera SOURCE, as in --camera virtual"));
-        }
-        let images = match self.camera {
-            Some(_) => vec![PathBuf::from("camera")],
-            None => self.images.clone(),
+        let mut search = self.search(context)?;
+        let (images, failures) = match self.camera {
+            Some(_) => (vec![PathBuf::from("camera")], Vec::new()),
+            None => inputs::pictures(&self.images),
         };
-        let places = Places::new(&images, self.annotate.as_deref(), self.stages.as_deref())?;
-        let threads = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads.map_or(0, usize::from))
-            .build()
-            .map_err(|error| Failure::from_error(&error))?;
         let mut seen = Seen::default();
+        for failure in failures {
+            seen.failure(context, &failure)?;
+        }
+        let places = Places::new(&images, self.annotate.as_deref(), self.stages.as_deref())?;
+        let threads = self.detector.threads()?;
+        // Between pictures there is something to end well; where one is waited for, Ctrl-C ends the process as usual.
+        let waits = images.len() < 2 || images.iter().any(|path| inputs::is_standard_input(path));
+        let interrupt = if waits { None } else { Some(Interrupt::install()?) };
+        let mut progress = Progress::new(context.style, images.len());
+        if self.csv {
+            answer::csv_head(out)?;
+        }
         for (index, path) in images.iter().enumerate() {
+            if interrupt.is_some_and(Interrupt::is_raised) {
+                out.flush()?;
+                return Err(Failure::interrupted_after(index, images.len()));
+            }
             let name = places.name(index);
+            progress.next(name);
             let picture = match &self.camera {
-                None => read(path),
+                None => inputs::read(path),
                 Some(source) => Ok(snapshot::take(context, out, source.clone(), self.head)?),
             };
             let looked_at = picture.and_then(|picture| {
-                let detection = self.look_at(&detector, &threads, &picture, index, &places)?;
-                Ok((picture, detection))
+                let found = self.look_at(&mut search, &threads, &picture, index, &places)?;
+                Ok((picture, found))
             });
-            match looked_at {
-                Ok((picture, detection)) => {
-                    seen.ellipses += detection.ellipses.len();
-                    self.tell(context, out, &mut seen, name, &picture, &detection)?;
+            progress.aside(|| match looked_at {
+                Ok((picture, found)) => {
+                    seen.ellipses += found.ellipses().len();
+                    self.tell(context, out, &mut seen, name, &picture, &found)
                 }
-                Err(failure) => {
-                    seen.failed = true;
-                    let text = render(&failure, context.style.error);
-                    std::io::stderr().write_all(text.as_bytes())?;
-                }
-            }
+                Err(failure) => seen.failure(context, &failure),
+            })?;
         }
+        drop(progress);
         if self.table && !context.style.json {
             write!(out, "{}", seen.tables)?;
         }
@@ -135,26 +149,51 @@ impl Cmd {
         })
     }
 
+    /// The detector asked for, once nothing that was given contradicts it.
+    fn search(&self, context: &Context) -> Result<Search> {
+        let preset = self.detector.preset(self.table.then_some("--table"))?;
+        if let (Some(flag), false) = (self.detector.detail(), context.style.json) {
+            return Err(Failure::new(format!("{flag} is told in JSON alone"))
+                .hint(format!("add --json, or leave {flag} out")));
+        }
+        if preset == Preset::Default && self.stages.is_some() {
+            return Err(Failure::new("--stages writes the stages of the paper's detector")
+                .hint("add --preset paper"));
+        }
+        if self.csv && context.style.json {
+            return Err(Failure::new("--csv and --json are two forms of one answer")
+                .hint("leave one of them out"));
+        }
+        if self.camera.is_none() && (self.head.pan.is_some() || self.head.tilt.is_some()) {
+            return Err(Failure::new(
+                "--pan and --tilt turn the head of a camera, and these are files",
+            )
+            .hint("take a picture with --camera SOURCE, as in --camera virtual"));
+        }
+        self.detector.search(preset)
+    }
+
     /// Detects, and writes the pictures asked for.
     fn look_at(
         &self,
-        detector: &Detector,
+        search: &mut Search,
         threads: &rayon::ThreadPool,
         picture: &Picture,
         index: usize,
         places: &Places,
-    ) -> Result<Detection> {
+    ) -> Result<Found> {
         let gray = picture.to_gray();
-        let (detection, stages) =
-            threads.install(|| detector.detect_with_stages(&gray.view(), self.seed));
+        let found = threads.install(|| search.look_at(&gray.view(), self.repeat));
         if let Some(place) = places.annotated(index) {
-            save(&annotated(picture, &detection), &place)?;
+            save(&stages::annotated(picture, &found.ellipses()), &place)?;
         }
-        if self.stages.is_some() {
-            save_gray(&gray, &places.stage(index, "1-grey"))?;
-            write_stages(picture, &detection, &stages, |stage| places.stage(index, stage))?;
+        if self.stages.is_some()
+            && let Some(all) = threads.install(|| search.stages(&gray.view()))
+        {
+            let place = |stage: &str| places.stage(index, stage);
+            stages::write(picture, &gray, &found.ellipses(), &all, place)?;
         }
-        Ok(detection)
+        Ok(found)
     }
 
     fn tell(
@@ -164,18 +203,23 @@ impl Cmd {
         seen: &mut Seen,
         name: &str,
         picture: &Picture,
-        detection: &Detection,
+        found: &Found,
     ) -> Result<()> {
         if context.style.json {
-            return json_line(out, &answer(name, picture, detection, self.table));
+            return json_line(out, &answer::line(name, picture, found, self.table));
         }
-        if self.table {
+        if self.csv {
+            return answer::csv_rows(out, name, found);
+        }
+        if self.table
+            && let Either::Paper(detection) = &found.detection
+        {
             seen.tables.add(name, detection);
             return Ok(());
         }
-        writeln!(out, "{}", summary(name, picture, detection))?;
-        if !detection.ellipses.is_empty() {
-            writeln!(out, "{}", listing(detection))?;
+        writeln!(out, "{}", answer::summary(name, picture, found))?;
+        if let Some(listing) = answer::listing(found) {
+            writeln!(out, "{listing}")?;
         }
         Ok(out.flush()?)
     }
@@ -189,133 +233,11 @@ struct Seen {
     tables: Tables,
 }
 
-/// Reads a picture; every failure names the file.
-fn read(path: &Path) -> Result<Picture> {
-    let decoded = if path == Path::new("-") {
-        let mut bytes = Vec::new();
-        std::io::stdin()
-            .take(FILE_BYTES_MAX)
-            .read_to_end(&mut bytes)
-            .map_err(|error| Failure::file("read", path, &error))?;
-        Picture::decode(&bytes)
-    } else if path.metadata().is_ok_and(|file| file.is_file() && file.len() == 0) {
-        return Err(Failure::new(format!("{} is empty", path.display())));
-    } else if path.is_dir() {
-        return Err(Failure::new(format!("{} is a folder", path.display()))
-            .hint(format!("name the pictures in it: {}/*.png", path.display())));
-    } else {
-        Picture::open(path)
-    };
-    decoded.map_err(|error| crate::cli::diagnostics::picture(path, &error))
-}
-
-/// The picture with the ellipses drawn.
-fn annotated(picture: &Picture, detection: &Detection) -> Picture {
-    let mut drawn = picture.clone();
-    draw::annotate(&mut drawn, detection.ellipses.iter().map(|found| &found.ellipse));
-    drawn
-}
-
-/// Writes a picture as PNG.
-pub(super) fn save(picture: &Picture, path: &Path) -> Result<()> {
-    picture.save_png(path).map_err(|error| crate::cli::diagnostics::picture(path, &error))
-}
-
-fn save_gray(gray: &rsapien_vision::GrayImage, path: &Path) -> Result<()> {
-    save_gray_png(gray, path).map_err(|error| crate::cli::diagnostics::picture(path, &error))
-}
-
-fn write_stages(
-    picture: &Picture,
-    detection: &Detection,
-    stages: &Stages,
-    place: impl Fn(&str) -> PathBuf,
-) -> Result<()> {
-    save_gray(&stages.denoised, &place("2-noise-reduced"))?;
-    save_gray(&stages.gradient, &place("3-gradient"))?;
-    save_gray(&stages.binary, &place("4-edges"))?;
-    let mut candidates = Picture::from_gray(&stages.binary.view());
-    for candidate in &stages.virtual_ellipses {
-        draw::ellipse(&mut candidates, &candidate.ellipse, VIRTUAL_ELLIPSE_COLOR);
-    }
-    save(&candidates, &place("5-virtual-ellipses"))?;
-    save(&annotated(picture, detection), &place("6-ellipses"))
-}
-
-/// One line for people.
-fn summary(name: &str, picture: &Picture, detection: &Detection) -> String {
-    let count = detection.ellipses.len();
-    let found = match count {
-        0 => "no ellipse".to_owned(),
-        1 => "1 ellipse".to_owned(),
-        _ => format!("{count} ellipses"),
-    };
-    let ms = detection.cost.total().as_secs_f64() * 1e3;
-    let limits = if detection.truncated() {
-        "; more of it is edge than a search can use: the picture is noise, or the options ask for too much"
-    } else {
-        ""
-    };
-    format!("{name} ({} x {}): {found} in {ms:.1} ms{limits}", picture.width(), picture.height())
-}
-
-/// The ellipses for people.
-fn listing(detection: &Detection) -> Table {
-    let mut table = Table::new(&[
-        "  ",
-        "center x",
-        "center y",
-        "semi-major",
-        "semi-minor",
-        "theta (rad)",
-        "quality",
-    ]);
-    for found in &detection.ellipses {
-        let ellipse = found.ellipse;
-        table.row([
-            String::new(),
-            format!("{:.1}", ellipse.center_x_px),
-            format!("{:.1}", ellipse.center_y_px),
-            format!("{:.1}", ellipse.semi_major_px),
-            format!("{:.1}", ellipse.semi_minor_px),
-            // Adding 0 turns -0 into 0.
-            format!("{:.3}", ellipse.theta_rad + 0.0),
-            found.quality.to_string(),
-        ]);
-    }
-    table
-}
-
-/// One line for programs; the keys stay in this order.
-#[derive(Serialize)]
-struct Answer<'a> {
-    image: &'a str,
-    width: usize,
-    height: usize,
-    ms: f64,
-    ellipses: Vec<[f64; 5]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    statistics: Option<serde_json::Value>,
-}
-
-fn answer<'a>(name: &'a str, picture: &Picture, detection: &Detection, counts: bool) -> Answer<'a> {
-    let ellipses = detection.ellipses.iter().map(|found| found.ellipse);
-    Answer {
-        image: name,
-        width: picture.width(),
-        height: picture.height(),
-        ms: detection.cost.total().as_secs_f64() * 1e3,
-        ellipses: ellipses
-            .map(|ellipse| {
-                [
-                    ellipse.center_x_px,
-                    ellipse.center_y_px,
-                    ellipse.semi_major_px,
-                    ellipse.semi_minor_px,
-                    ellipse.theta_rad + 0.0,
-                ]
-            })
-            .collect(),
-        statistics: counts.then(|| tables::counts(detection)),
+impl Seen {
+    /// Tells a failure; the others still run.
+    fn failure(&mut self, context: &Context, failure: &Failure) -> Result<()> {
+        self.failed = true;
+        let text = render(failure, context.style.error);
+        Ok(std::io::stderr().write_all(text.as_bytes())?)
     }
 }

@@ -1,4 +1,4 @@
-//! The options of the detector, over those of a preset.
+//! The options of the preset `paper`.
 
 use std::str::FromStr;
 
@@ -8,14 +8,10 @@ use rsapien_vision::paper::{Detector, Options};
 
 use crate::cli::diagnostics::{Failure, Result};
 
-/// What steers the detector.
+/// What steers the detector of the paper.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Options of the detector")]
-pub(crate) struct Tuning {
-    /// Which detector: `paper` is that of the paper
-    #[arg(long, value_enum, default_value_t = PresetName::Paper)]
-    preset: PresetName,
-
+#[command(next_help_heading = "Options of the preset paper; each of them asks for it")]
+pub(super) struct Tuning {
     #[arg(long, value_name = "MIN..MAX", help = preset("Range of the semi-major axis in pixels: the paper's search domain", |options| range(options.hough.semi_major_min_px, options.hough.semi_major_max_px)))]
     semi_major: Option<AxisRange>,
 
@@ -47,17 +43,11 @@ pub(crate) struct Tuning {
 
 /// Help that tells the number of the preset.
 fn preset(text: &str, value: impl Fn(&Options) -> String) -> String {
-    format!("{text} [preset paper: {}]", value(&Options::paper()))
+    format!("{text} [as in the paper: {}]", value(&Options::paper()))
 }
 
 fn range(least_px: f32, greatest_px: f32) -> String {
     format!("{least_px}..{greatest_px}")
-}
-
-/// Presets by name.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum PresetName {
-    Paper,
 }
 
 /// Noise reductions by name.
@@ -95,11 +85,25 @@ impl FromStr for AxisRange {
 }
 
 impl Tuning {
-    /// The detector of the preset with the options given.
-    pub(crate) fn detector(&self) -> Result<Detector> {
-        let mut options = match self.preset {
-            PresetName::Paper => Options::paper(),
-        };
+    /// The first of these flags that was given.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let flags = [
+            (self.semi_major.is_some(), "--semi-major"),
+            (self.semi_minor.is_some(), "--semi-minor"),
+            (self.quality.is_some(), "--quality"),
+            (self.pairs.is_some(), "--pairs"),
+            (self.bin.is_some(), "--bin"),
+            (self.proportion.is_some(), "--proportion"),
+            (self.distance.is_some(), "--distance"),
+            (self.members.is_some(), "--members"),
+            (self.noise.is_some(), "--noise"),
+        ];
+        flags.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag))
+    }
+
+    /// The detector of the paper with the options given.
+    pub(super) fn detector(&self) -> Result<Detector> {
+        let mut options = Options::paper();
         let hough = &mut options.hough;
         if let Some(range) = self.semi_major {
             (hough.semi_major_min_px, hough.semi_major_max_px) =

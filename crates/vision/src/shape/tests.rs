@@ -60,7 +60,7 @@ proptest! {
     fn the_geometric_fit_goes_down(truth in any_ellipse(), from in 0.0..6.0, span in 3.0..6.2, seed: u64) {
         let points = points(&truth, from, from + span, 0.02 * truth.semi_minor_px, seed);
         if let Some(start) = Shape::fit_conic(&points) {
-            let fitted = start.fit_distance(&points, ROUNDS_MAX);
+            let fitted = start.fit_distance(&points, 8);
             let fitted = fitted.expect("points near an ellipse determine one");
             prop_assert!(fitted.is_ellipse());
             let (before, after) = (start.deviation(&points).0, fitted.deviation(&points).0);
@@ -94,7 +94,7 @@ fn noise_on_a_whole_contour_averages_out() {
     let truth = ellipse(200.0, 150.0, 80.0, 50.0, 1.0);
     let points = points(&truth, 0.0, 6.2, 0.5, 7);
     let start = Shape::from_ellipse(&ellipse(206.0, 146.0, 88.0, 45.0, 1.2));
-    let fitted = start.fit_distance(&points, ROUNDS_MAX).unwrap().ellipse();
+    let fitted = start.fit_distance(&points, 8).unwrap().ellipse();
     assert!(difference(&truth, &fitted) < 0.3, "{fitted:?}");
 }
 

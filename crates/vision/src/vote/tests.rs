@@ -2,25 +2,22 @@ use super::*;
 use crate::ellipse::Ellipse;
 use crate::test_pictures::ellipse;
 
-/// The piece of a contour between two parameters, bright inside.
+/// The piece of a contour between two parameters.
 fn arc(truth: &Ellipse, from_rad: f64, to_rad: f64) -> Arc {
     let shape = crate::shape::Shape::from_ellipse(truth);
-    let samples = std::array::from_fn(|i| {
-        let (x, y) =
-            truth.point_at(from_rad + (to_rad - from_rad) * i as f64 / (SAMPLES - 1) as f64);
+    let place =
+        |i: usize| truth.point_at(from_rad + (to_rad - from_rad) * i as f64 / (SAMPLES - 1) as f64);
+    let inside = |i: usize| {
+        let (x, y) = place(i);
         let (_, normal_x, normal_y) = shape.distance(x, y);
-        EdgePoint {
-            x: x as f32,
-            y: y as f32,
-            gradient_x: -normal_x as f32,
-            gradient_y: -normal_y as f32,
-            contrast: 100.0,
-        }
-    });
+        (-normal_x as f32, -normal_y as f32)
+    };
     Arc {
         range: 0..SAMPLES,
-        samples,
-        inward: 1.0,
+        x: std::array::from_fn(|i| place(i).0 as f32),
+        y: std::array::from_fn(|i| place(i).1 as f32),
+        inside_x: std::array::from_fn(|i| inside(i).0),
+        inside_y: std::array::from_fn(|i| inside(i).1),
         turn_rad: (to_rad - from_rad).abs() as f32,
         length_px: 50.0,
         is_ring: false,
@@ -28,11 +25,11 @@ fn arc(truth: &Ellipse, from_rad: f64, to_rad: f64) -> Arc {
     }
 }
 
-fn votes(one: &Arc, other: &Arc) -> impl Iterator<Item = u32> {
+fn votes(one: &Arc, other: &Arc) -> impl Iterator<Item = u8> {
     let mut all = Vec::new();
     for from in 2..SAMPLES - 2 {
         for to in 2..SAMPLES - 2 {
-            all.push(Accumulator::default().vote(one, from, other, to));
+            all.push(vote(one, from, other, to));
         }
     }
     all.into_iter()
@@ -48,7 +45,10 @@ fn two_arcs_of_one_ellipse_agree() {
         for (from_rad, to_rad) in [(2.0, 3.0), (3.5, 5.0), (1.4, 2.2)] {
             let (one, other) = (arc(&truth, 0.0, 1.2), arc(&truth, from_rad, to_rad));
             let least = votes(&one, &other).min().unwrap();
-            assert!(least >= 16, "{least} of 18: {truth:?} {from_rad}..{to_rad}");
+            assert!(
+                usize::from(least) >= VOTES - 2,
+                "{least} of {VOTES}: {truth:?} {from_rad}..{to_rad}"
+            );
         }
     }
 }
@@ -64,16 +64,19 @@ fn arcs_of_two_ellipses_do_not() {
         let mut all: Vec<_> = votes(&one, &other).collect();
         all.sort_unstable();
         let median = all[all.len() / 2];
-        assert!(median < 12, "half of the draws give {median} of 18 and more");
+        assert!(
+            3 * usize::from(median) < 2 * VOTES,
+            "half of the draws give {median} of {VOTES} and more"
+        );
     }
 }
 
 #[test]
 fn points_that_coincide_do_not_vote() {
     let one = arc(&ellipse(100.0, 100.0, 60.0, 40.0, 0.0), 0.0, 1.2);
-    assert_eq!(Accumulator::default().vote(&one, 5, &one, 5), 0);
+    assert_eq!(vote(&one, 5, &one, 5), 0);
     let mut point = one.clone();
-    point.samples = [EdgePoint::default(); SAMPLES];
+    (point.x, point.y) = ([0.0; SAMPLES], [0.0; SAMPLES]);
     assert!(votes(&one, &point).all(|votes| votes <= 24));
     assert!(votes(&point, &point).all(|votes| votes == 0));
 }

@@ -10,6 +10,8 @@ use crate::chain::Chains;
 use crate::edges::EdgePoint;
 use crate::shape::{Point, Shape};
 
+/// Greatest distance of a chain from its polygon, in pixels.
+const TOLERANCE_PX: f32 = 0.8;
 /// Greatest turn between two sides, as a cosine: 75 degrees.
 const CORNER_COS: f32 = 0.26;
 /// Greatest ratio of the lengths of neighbouring sides.
@@ -26,8 +28,6 @@ pub(crate) const SAMPLES: usize = 12;
 /// A piece of a contour that turns one way.
 #[derive(Debug, Clone)]
 pub(crate) struct Arc {
-    /// Its points in [`Chains::points`].
-    pub(crate) range: Range<usize>,
     /// Points at equal steps of the count, first and last included.
     pub(crate) x: [f32; SAMPLES],
     pub(crate) y: [f32; SAMPLES],
@@ -55,13 +55,14 @@ pub(crate) struct Arcs {
 }
 
 impl Arcs {
-    /// Cuts every chain, in place of the arcs of the picture before. `tolerance_px` is the polygon's.
-    pub(crate) fn cut(&mut self, chains: &mut Chains, tolerance_px: f32) {
+    /// Cuts every chain, in place of the arcs of the picture before.
+    pub(crate) fn cut(&mut self, chains: &mut Chains) {
         self.arcs.clear();
         for at in 0..chains.chains.len() {
             let chain = chains.chains[at].clone();
             let range = chain.range.clone();
-            let small = tolerance_px.min(0.25 + range.len() as f32 / 120.0);
+            // A short chain may be a small ellipse, of which a coarse polygon leaves a triangle.
+            let small = TOLERANCE_PX.min(0.25 + range.len() as f32 / 120.0);
             if chain.is_ring {
                 self.cut_ring(&mut chains.points, range, small);
             } else {
@@ -113,12 +114,9 @@ impl Arcs {
 
     /// Cuts a ring: it is turned so that it begins at a corner, if it has one.
     fn cut_ring(&mut self, points: &mut [EdgePoint], range: Range<usize>, tolerance_px: f32) {
-        let whole = whole_ring(&points[range.clone()]);
-        if let Some(shape) = self.fit(points, range.clone())
-            && whole
-        {
-            let turn = turn_sign(&points[range.clone()]);
-            self.push(points, range.clone(), turn * std::f32::consts::TAU, true, Some(shape));
+        if let Some(shape) = self.fit(points, range.clone()) {
+            let turn_rad = turn_sign(&points[range.clone()]) * std::f32::consts::TAU;
+            self.push(points, range, turn_rad, true, Some(shape));
             return;
         }
         self.polygon(points, range.clone(), tolerance_px);
@@ -277,7 +275,6 @@ impl Arcs {
         };
         let normals: [(f32, f32); SAMPLES] = std::array::from_fn(normal);
         self.arcs.push(Arc {
-            range,
             x,
             y,
             inside_x: normals.map(|normal| normal.0),
@@ -308,11 +305,6 @@ fn turn_sign(points: &[EdgePoint]) -> f32 {
         })
         .sum();
     area.signum()
-}
-
-/// Whether the gradient turns once around along a ring: true of any simple closed contour.
-fn whole_ring(points: &[EdgePoint]) -> bool {
-    points.len() >= 8
 }
 
 #[cfg(test)]

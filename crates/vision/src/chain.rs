@@ -34,6 +34,12 @@ pub(crate) struct Chains {
 }
 
 impl Chains {
+    /// Forgets the picture before.
+    pub(crate) fn clear(&mut self) {
+        self.points.clear();
+        self.chains.clear();
+    }
+
     /// Links the points of `edges`, in place of those of the picture before.
     pub(crate) fn link(&mut self, edges: &EdgeMap) {
         let count = edges.points.len();
@@ -120,8 +126,7 @@ impl Chains {
 
     /// Follows the links: open chains from their first points, then rings.
     fn collect(&mut self, edges: &EdgeMap) {
-        self.points.clear();
-        self.chains.clear();
+        self.clear();
         for start in 0..edges.points.len() {
             if self.previous[start] == NONE {
                 self.follow(edges, start, false);

@@ -10,14 +10,20 @@ use crate::ellipse::Ellipse;
 pub struct DetectedEllipse {
     /// The ellipse, in canonical form.
     pub ellipse: Ellipse,
-    /// How much speaks for it, `0..=1`: [`support_share`](Self::support_share) times
-    /// [`gradient_agreement`](Self::gradient_agreement).
+    /// The estimated probability that it is the contour of something elliptic, `0..=1`: a logistic regression on the
+    /// evidence below, fitted to rendered scenes and photographs with truth (`docs/detector.md` tells which).
     pub score: f64,
-    /// The share of the contour inside the picture along which an edge was found within a pixel or so and in its
-    /// direction, `0..=1`.
+    /// The share of the contour inside the picture along which an edge was found within 1.5 px and in its direction,
+    /// in stretches of 7 px at least, `0..=1`.
     pub support_share: f64,
+    /// The share of the contour that is inside the picture, `0..=1`.
+    pub inside_share: f64,
+    /// The longest stretch without an edge, as a share of the contour inside the picture, `0..=1`.
+    pub gap_share: f64,
     /// Mean cosine of the angle between the gradient at those edges and the normal of the ellipse, `0..=1`.
     pub gradient_agreement: f64,
+    /// How crowded it is beside the contour: edge points in 3 x 3 pixels, 4 px off on either side, on average.
+    pub clutter: f64,
     /// Decimal logarithm of the number of ellipses as well supported as this that a picture of this size would show
     /// by chance, were its gradients independent and uniform (a-contrario: Desolneux, Moisan and Morel, "From
     /// Gestalt Theory to Image Analysis", 2008). The lower the better; above 0 means that chance explains it.
@@ -34,8 +40,6 @@ pub struct DetectedEllipse {
     /// [`Options::covariance`](crate::Options::covariance) asks for it. The angle of a circle is undetermined and its
     /// variance large.
     pub covariance: Option<[[f64; 5]; 5]>,
-    #[doc(hidden)]
-    pub dev: [f64; 7],
 }
 
 /// An edge point on a contour.

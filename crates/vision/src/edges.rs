@@ -21,7 +21,7 @@ use crate::image::GrayView;
 
 /// Magnitude that a step of one grey value has, in the units of [`Rows`]: 32 times the central difference over two
 /// pixels of a unit step smoothed by the kernel.
-pub(crate) const MAGNITUDE_PER_GREY: f32 = 32.0 * 10.0 / 16.0;
+const MAGNITUDE_PER_GREY: f32 = 32.0 * 10.0 / 16.0;
 /// Least contrast of an edge, in grey values.
 const CONTRAST_MIN_GREY: f32 = 8.0;
 /// Standard deviation of a gradient component, in units of magnitude, for one grey value of white noise: the smoothed
@@ -37,8 +37,6 @@ pub(crate) struct EdgePoint {
     pub(crate) y: f32,
     pub(crate) gradient_x: f32,
     pub(crate) gradient_y: f32,
-    /// Length of the gradient, in grey values of the step that would give it.
-    pub(crate) contrast: f32,
 }
 
 /// The edge points of a picture, row by row, and where they are.
@@ -46,8 +44,6 @@ pub(crate) struct EdgePoint {
 pub(crate) struct EdgeMap {
     pub(crate) points: Vec<EdgePoint>,
     pub(crate) map: PointMap,
-    /// Standard deviation of the noise, in grey values.
-    pub(crate) noise_grey: f32,
     rows: Rows,
 }
 
@@ -57,17 +53,14 @@ impl EdgeMap {
         let (width, height) = (picture.width(), picture.height());
         self.points.clear();
         self.map.reset(width, height);
-        self.noise_grey = noise::estimate(picture);
         let threshold = (CONTRAST_MIN_GREY * MAGNITUDE_PER_GREY)
-            .max(NOISE_FACTOR * MAGNITUDE_PER_NOISE * self.noise_grey);
+            .max(NOISE_FACTOR * MAGNITUDE_PER_NOISE * noise::estimate(picture));
         // Smoothing and differences need neighbours; a smaller picture has no edge point.
-        if width < 3 || height < 3 {
-            self.map.seal();
-            return;
+        if width >= 3 && height >= 3 {
+            self.rows.reset(width);
+            // Compiled for several instruction sets; the one of this machine is taken. Nothing is rounded otherwise.
+            pulp::Arch::new().dispatch(Streamed { edges: self, picture, threshold });
         }
-        self.rows.reset(width);
-        // Compiled for several instruction sets; the one of this machine is taken. Nothing is rounded otherwise.
-        pulp::Arch::new().dispatch(Streamed { edges: self, picture, threshold });
         self.map.seal();
     }
 

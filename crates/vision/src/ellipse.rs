@@ -53,6 +53,15 @@ impl Ellipse {
         )
     }
 
+    /// The same ellipse, told from a picture whose part it was found in: `origin` is where that part begins.
+    pub(crate) fn shifted(self, origin: (usize, usize)) -> Self {
+        Self {
+            center_x_px: self.center_x_px + origin.0 as f64,
+            center_y_px: self.center_y_px + origin.1 as f64,
+            ..self
+        }
+    }
+
     /// The offset of (`x_px`, `y_px`) from the centre, along the major axis and across it, in pixels.
     fn local(&self, x_px: f64, y_px: f64) -> (f64, f64) {
         let (sin, cos) = self.theta_rad.sin_cos();

@@ -5,6 +5,8 @@
 
 use thiserror::Error;
 
+use crate::options::Region;
+
 /// Largest width and height that a picture may have, in pixels.
 pub const SIDE_PX_MAX: usize = 16_384;
 /// Largest number of pixels that a picture may have: twice an 8K frame (7680 x 4320).
@@ -137,6 +139,16 @@ impl<'a> GrayView<'a> {
     pub(crate) fn row(&self, y: usize) -> &'a [u8] {
         let start = y * self.stride;
         &self.data[start..start + self.width]
+    }
+
+    /// A part of the picture, where it stands; `None` when it has no pixel or reaches beyond the border.
+    pub(crate) fn part(&self, region: Region) -> Option<Self> {
+        let Region { left, top, width, height } = region;
+        if width == 0 || height == 0 || left + width > self.width || top + height > self.height {
+            return None;
+        }
+        let data = &self.data[top * self.stride + left..];
+        Some(Self { data, width, height, stride: self.stride })
     }
 
     /// A copy without padding.

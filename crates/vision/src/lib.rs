@@ -6,7 +6,9 @@
 #![allow(clippy::inline_always)]
 
 mod arc;
+mod candidate;
 mod chain;
+mod covariance;
 pub mod detection;
 pub mod detector;
 #[cfg(feature = "image")]
@@ -19,11 +21,13 @@ pub mod image;
 pub mod io;
 mod meaning;
 pub mod options;
+mod pairing;
 pub mod paper;
 pub mod pose;
 mod search;
 mod select;
 mod shape;
+mod stages;
 mod support;
 #[cfg(test)]
 mod test_pictures;
@@ -37,4 +41,5 @@ pub use image::{ColorView, GrayImage, GrayView, ImageError, PixelLayout};
 #[cfg(feature = "image")]
 pub use io::{Picture, PictureError};
 pub use options::{DetectorBuilder, Options, OptionsError, Region, Strokes};
+pub use stages::{ArcStage, Stages};
 pub use tracker::{Track, TrackState, Tracker, TrackerOptions};

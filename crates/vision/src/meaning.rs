@@ -1,59 +1,76 @@
 //! What the support of a contour means: how likely it is to be there by chance, and how likely to be an ellipse.
 
 use crate::edges::EdgeMap;
-use crate::ellipse::Ellipse;
 use crate::support::Support;
 
+/// What speaks for a contour. The fields are those of [`DetectedEllipse`](crate::DetectedEllipse).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Evidence {
+    pub(crate) support_share: f64,
+    pub(crate) inside_share: f64,
+    pub(crate) gap_share: f64,
+    pub(crate) gradient_agreement: f64,
+    pub(crate) residual_px: f64,
+    pub(crate) clutter: f64,
+    pub(crate) log10_false_alarms: f64,
+}
+
 /// Number of features of the score.
-pub(crate) const FEATURES: usize = 7;
-/// Weights of the features and, last, the constant.
+pub const FEATURES: usize = 7;
+/// Weights of the features and, last, the constant: a logistic regression, made by the example `score-weights`.
 const WEIGHTS: [f64; FEATURES + 1] = [2.291, -5.032, -1.380, -11.671, 0.520, 0.932, 0.125, -7.395];
 
-/// What the score is computed from.
-pub(crate) fn features(
-    ellipse: &Ellipse,
-    support: &Support,
-    log10_false_alarms: f64,
-) -> [f64; FEATURES] {
-    [
-        (support.share * support.inside).max(0.01).ln(),
-        support.gap,
-        (1.0 - support.agreement + 1e-3).ln(),
-        support.residual,
-        (-log10_false_alarms).max(0.0).min(200.0).sqrt(),
-        ellipse.semi_minor_px.ln(),
-        (support.clutter + 0.05).ln(),
-    ]
+impl Evidence {
+    /// What the score is computed from.
+    pub(crate) fn features(&self, semi_minor_px: f64) -> [f64; FEATURES] {
+        [
+            (self.support_share * self.inside_share).max(0.01).ln(),
+            self.gap_share,
+            (1.0 - self.gradient_agreement + 1e-3).ln(),
+            self.residual_px,
+            (-self.log10_false_alarms).clamp(0.0, 200.0).sqrt(),
+            semi_minor_px.ln(),
+            (self.clutter + 0.05).ln(),
+        ]
+    }
+
+    /// The score of a contour, `0..=1`.
+    pub(crate) fn score(&self, semi_minor_px: f64) -> f64 {
+        let features = self.features(semi_minor_px);
+        let sum: f64 = features.iter().zip(&WEIGHTS).map(|(value, weight)| value * weight).sum();
+        1.0 / (1.0 + (-(sum + WEIGHTS[FEATURES])).exp())
+    }
 }
 
-/// The score of a contour.
-pub(crate) fn score(features: &[f64; FEATURES]) -> f64 {
-    let sum: f64 = features.iter().zip(&WEIGHTS).map(|(feature, weight)| feature * weight).sum();
-    1.0 / (1.0 + (-(sum + WEIGHTS[FEATURES])).exp())
-}
+/// Share of directions within the angle of the last look at a contour, 26 of 90 degrees.
+const DIRECTION_CHANCE: f64 = 0.29;
+/// Width of its band in pixels.
+const BAND_WIDTH_PX: f64 = 3.0;
+/// Distance at which edge points are independent of each other, in pixels: the smoothing is 5 px wide.
+const INDEPENDENT_PX: f64 = 2.0;
 
-/// Decimal logarithm of the expected number of false alarms.
+/// Decimal logarithm of the expected number of false alarms: the number of ellipses that could be tested in a picture,
+/// its area to the power 5/2 for five parameters, times the chance that one of them has this support. An edge lies on a
+/// step of the contour by chance as often as the edge points' density in the picture says.
 pub(crate) fn log10_false_alarms(edges: &EdgeMap, support: &Support) -> f64 {
-    let area = (edges.map.width() * edges.map.height()) as f64;
-    let density = edges.points.len() as f64 / area;
-    // A band of 3 px, and an angle of 26 of 90 degrees.
-    let chance = (density * 3.0 * 0.29).clamp(0.01, 0.5);
-    // Neighbours two pixels apart are taken as independent.
-    let spacing = (support.length / support.steps.max(1) as f64).max(1e-6);
-    let per = (spacing / 2.0).min(1.0);
-    let n = support.steps as f64 * per;
-    let k = support.share * n;
-    let tests = 2.5 * area.log10();
-    tests + log10_tail(n, k, chance)
+    let area_px2 = (edges.map.width() * edges.map.height()) as f64;
+    let density = edges.points.len() as f64 / area_px2;
+    let chance = (density * BAND_WIDTH_PX * DIRECTION_CHANCE).clamp(0.01, 0.5);
+    let step_px = support.length / support.steps.max(1) as f64;
+    let trials = support.steps as f64 * (step_px / INDEPENDENT_PX).min(1.0);
+    2.5 * area_px2.log10() + log10_tail(trials, support.share * trials, chance)
 }
 
-/// Decimal logarithm of the probability of at least `k` of `n` at `p` each (Hoeffding's bound).
-fn log10_tail(n: f64, k: f64, p: f64) -> f64 {
-    if n <= 0.0 || k <= p * n {
+/// Decimal logarithm of (a bound from above on) the probability of at least `hits` of `trials` at `chance` each
+/// (Hoeffding 1963).
+fn log10_tail(trials: f64, hits: f64, chance: f64) -> f64 {
+    if trials <= 0.0 || hits <= chance * trials {
         return 0.0;
     }
-    let r = (k / n).min(1.0 - 1e-9);
-    -n * (r * (r / p).ln() + (1.0 - r) * ((1.0 - r) / (1.0 - p)).ln()) / std::f64::consts::LN_10
+    let share = (hits / trials).min(1.0 - 1e-9);
+    let divergence =
+        share * (share / chance).ln() + (1.0 - share) * ((1.0 - share) / (1.0 - chance)).ln();
+    -trials * divergence / std::f64::consts::LN_10
 }
 
 #[cfg(test)]

@@ -20,8 +20,6 @@ pub(crate) struct Shape {
 /// A point of a contour, for the fits.
 pub(crate) type Point = (f64, f64);
 
-/// Rounds of the geometric fit.
-pub(crate) const ROUNDS_MAX: usize = 8;
 /// The fit has settled when no point moves more than this relative to the semi-axes.
 const SETTLED: f64 = 1e-5;
 
@@ -116,7 +114,8 @@ impl Shape {
         weights_from.map(|shape| frame.leave(&shape))
     }
 
-    /// Moves the shape to the least sum of squared distances of `points` (Gauss-Newton on the approximate distance).
+    /// Moves the shape towards the least sum of squared distances of `points` (Levenberg and Marquardt's method on the
+    /// approximate distance, `rounds_max` rounds at the most).
     /// `None` when the points do not determine an ellipse.
     pub(crate) fn fit_distance(&self, points: &[Point], rounds_max: usize) -> Option<Self> {
         if points.len() < 6 {

@@ -203,7 +203,6 @@ fn both_edges_of_a_stroke_come_on_request() {
 }
 
 #[test]
-#[ignore = "the detector does not look at the option yet"]
 fn only_the_region_is_looked_at() {
     let (image, truths) = table(320, 240);
     let region = Region { left: 120, top: 20, width: 80, height: 100 };
@@ -224,7 +223,6 @@ fn only_the_region_is_looked_at() {
 }
 
 #[test]
-#[ignore = "the detector does not look at the options yet"]
 fn support_and_covariance_come_on_request() {
     let (image, _) = table(320, 240);
     let mut detector = Detector::builder().support_points(true).covariance(true).build().unwrap();

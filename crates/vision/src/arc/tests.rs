@@ -7,7 +7,7 @@ fn cut(image: &crate::image::GrayImage) -> Arcs {
         (EdgeMap::default(), Chains::default(), Arcs::default());
     edges.find(&image.view());
     chains.link(&edges);
-    arcs.cut(&mut chains, 0.8);
+    arcs.cut(&mut chains);
     arcs
 }
 

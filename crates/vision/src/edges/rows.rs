@@ -1,6 +1,6 @@
 //! The rows on the way from pixels to edge points.
 
-use super::{EdgePoint, MAGNITUDE_PER_GREY};
+use super::EdgePoint;
 use crate::image::GrayView;
 
 /// Rows of each kind that are kept: the row at hand and its neighbours, and one for the mask.
@@ -122,7 +122,6 @@ impl Rows {
             y: if is_across { y } else { y + offset },
             gradient_x: along / middle,
             gradient_y: down / middle,
-            contrast: middle / MAGNITUDE_PER_GREY,
         }
     }
 }

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::test_pictures::{discs, ellipse, noise, patches, picture};
+use crate::test_pictures::{discs, ellipse, noise as random_bytes, patches, picture};
 
 fn found(image: &crate::image::GrayImage) -> EdgeMap {
     let mut edges = EdgeMap::default();
@@ -72,7 +72,6 @@ proptest! {
             if (4.0..=60.0).contains(&x) && (4.0..=60.0).contains(&y) {
                 prop_assert!(offset(x, y).abs() < 0.1, "{point:?} is off by {}", offset(x, y));
                 prop_assert!(angle_deg(point, (cos, sin)) < 3.0, "{point:?}");
-                prop_assert!((point.contrast - 120.0).abs() < 20.0, "{point:?}");
             }
         }
     }
@@ -115,7 +114,7 @@ fn each_point_lies_at_its_own_pixel() {
 fn noise_is_told_from_structure() {
     // Sums of bytes are nearly normal; twelve of them have the standard deviation 255.
     let normal = |seed: u64| {
-        noise(12 * 160 * 120, seed)
+        random_bytes(12 * 160 * 120, seed)
             .chunks_exact(12)
             .map(|bytes| (bytes.iter().map(|&b| f64::from(b)).sum::<f64>() - 1530.0) / 256.0)
             .collect::<Vec<_>>()
@@ -127,15 +126,16 @@ fn noise_is_told_from_structure() {
             let clean = if truth.contains(x, y) { 150.0 } else { 100.0 };
             clean + deviation * values[y as usize * 160 + x as usize]
         });
-        let estimate = f64::from(found(&image).noise_grey);
+        let estimate = f64::from(noise::estimate(&image.view()));
         assert!((estimate / deviation - 1.0).abs() < 0.15, "{estimate} for {deviation}");
     }
-    assert!(found(&discs(90, 70, &[ellipse(45.0, 35.0, 20.0, 20.0, 0.0)])).noise_grey < 0.3);
+    let clean = discs(90, 70, &[ellipse(45.0, 35.0, 20.0, 20.0, 0.0)]);
+    assert!(noise::estimate(&clean.view()) < 0.3);
 }
 
 #[test]
 fn white_noise_has_few_edges() {
-    let values = noise(12 * 200 * 200, 9);
+    let values = random_bytes(12 * 200 * 200, 9);
     let image = picture(200, 200, |x, y| {
         let at = 12 * (y as usize * 200 + x as usize);
         128.0

@@ -13,7 +13,6 @@ fn arc(truth: &Ellipse, from_rad: f64, to_rad: f64) -> Arc {
         (-normal_x as f32, -normal_y as f32)
     };
     Arc {
-        range: 0..SAMPLES,
         x: std::array::from_fn(|i| place(i).0 as f32),
         y: std::array::from_fn(|i| place(i).1 as f32),
         inside_x: std::array::from_fn(|i| inside(i).0),

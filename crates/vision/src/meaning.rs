@@ -18,7 +18,7 @@ pub(crate) struct Evidence {
 /// Number of features of the score.
 pub const FEATURES: usize = 7;
 /// Weights of the features and, last, the constant: a logistic regression, made by the example `score-weights`.
-const WEIGHTS: [f64; FEATURES + 1] = [2.291, -5.032, -1.380, -11.671, 0.520, 0.932, 0.125, -7.395];
+const WEIGHTS: [f64; FEATURES + 1] = [0.529, -6.021, -1.155, -12.780, 0.556, 0.986, 0.151, -6.353];
 
 impl Evidence {
     /// What the score is computed from.

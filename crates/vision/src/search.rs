@@ -19,8 +19,8 @@ use crate::vote::{VOTES, vote};
 const PAIRS_MAX: usize = 60_000;
 /// Arcs that are searched at the most: those that are longest and turn most.
 const ARCS_MAX: usize = 4_000;
-/// Pairs of points drawn for a pair of arcs.
-const DRAWS: usize = 2;
+/// Pairs of points drawn for a pair of arcs at the most.
+const DRAWS: usize = 4;
 /// Least votes of a pair: two thirds.
 const VOTES_MIN: usize = VOTES * 2 / 3;
 /// Partners of an arc that are tried: those with most votes for their length.
@@ -121,10 +121,17 @@ impl Search {
             self.pairs += 1;
             // The ends of an arc are its least certain places.
             let mut draw = || random.random_range(2..SAMPLES - 2);
-            let votes = (0..DRAWS).map(|_| vote(one, draw(), other, draw())).max().unwrap_or(0);
-            if usize::from(votes) >= VOTES_MIN {
+            let mut votes = 0;
+            for drawn in 1..=DRAWS {
+                votes = votes.max(usize::from(vote(one, draw(), other, draw())));
+                // Arcs of one ellipse seldom vote so badly, whatever pair is drawn.
+                if votes >= VOTES_MIN || drawn == DRAWS / 2 && votes < VOTES_MIN / 2 {
+                    break;
+                }
+            }
+            if votes >= VOTES_MIN {
                 let length_px = other.length_px.min(500.0) as u32;
-                self.partners.push((u32::from(votes) * length_px, other_rank));
+                self.partners.push((votes as u32 * length_px, other_rank));
             }
         }
         self.partners.sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));

@@ -22,6 +22,8 @@ const LENGTH_MIN_PX: f32 = 10.0;
 const TURN_MIN_RAD: f32 = 0.25;
 /// Turn from which an arc must be elliptic by itself, radians.
 const TURN_FITTED_RAD: f32 = 1.0;
+/// The polygon has a vertex after so many points at the latest: of a spiral each side is looked for along all that is left.
+const PIECE_POINTS: usize = 16_384;
 /// Points of an arc that stand for it.
 pub(crate) const SAMPLES: usize = 12;
 
@@ -76,7 +78,8 @@ impl Arcs {
     fn polygon(&mut self, points: &[EdgePoint], range: Range<usize>, tolerance_px: f32) {
         self.vertices.clear();
         self.stack.clear();
-        let (mut first, mut last) = (range.start, range.end - 1);
+        let end = range.end - 1;
+        let (mut first, mut last) = (range.start, end.min(range.start + PIECE_POINTS));
         self.vertices.push(first);
         loop {
             let (a, b) = (points[first], points[last]);
@@ -106,6 +109,7 @@ impl Arcs {
                 self.vertices.push(last);
                 match self.stack.pop() {
                     Some(next) => (first, last) = next,
+                    None if last < end => (first, last) = (last, end.min(last + PIECE_POINTS)),
                     None => break,
                 }
             }

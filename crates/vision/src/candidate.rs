@@ -6,7 +6,7 @@ use crate::edges::EdgeMap;
 use crate::meaning::{Evidence, log10_false_alarms};
 use crate::options::Options;
 use crate::shape::{Point, Shape};
-use crate::support::{Along, Hit, STEPS_MAX, Support, clutter};
+use crate::support::{Along, Hit, STEPS_MAX, Support};
 
 /// Candidates looked at in one picture at the most.
 const TRIED_MAX: usize = 6_000;
@@ -134,7 +134,6 @@ impl Candidates {
             gap_share: support.gap,
             gradient_agreement: support.agreement,
             residual_px: support.residual,
-            clutter: clutter(edges, &shape),
             log10_false_alarms: log10_false_alarms(edges, &support),
         };
         let score = evidence.score(shape.ellipse().semi_minor_px);

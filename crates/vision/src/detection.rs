@@ -22,8 +22,6 @@ pub struct DetectedEllipse {
     pub gap_share: f64,
     /// Mean cosine of the angle between the gradient at those edges and the normal of the ellipse, `0..=1`.
     pub gradient_agreement: f64,
-    /// How crowded it is beside the contour: edge points in 3 x 3 pixels, 4 px off on either side, on average.
-    pub clutter: f64,
     /// Decimal logarithm of the number of ellipses as well supported as this that a picture of this size would show
     /// by chance, were its gradients independent and uniform (a-contrario: Desolneux, Moisan and Morel, "From
     /// Gestalt Theory to Image Analysis", 2008). The lower the better; above 0 means that chance explains it.

@@ -11,14 +11,13 @@ pub(crate) struct Evidence {
     pub(crate) gap_share: f64,
     pub(crate) gradient_agreement: f64,
     pub(crate) residual_px: f64,
-    pub(crate) clutter: f64,
     pub(crate) log10_false_alarms: f64,
 }
 
 /// Number of features of the score.
-pub const FEATURES: usize = 7;
+pub(crate) const FEATURES: usize = 6;
 /// Weights of the features and, last, the constant: a logistic regression, made by the example `score-weights`.
-const WEIGHTS: [f64; FEATURES + 1] = [0.529, -6.021, -1.155, -12.780, 0.556, 0.986, 0.151, -6.353];
+const WEIGHTS: [f64; FEATURES + 1] = [0.538, -5.914, -0.937, -13.059, 0.525, 1.096, -5.438];
 
 impl Evidence {
     /// What the score is computed from.
@@ -30,7 +29,6 @@ impl Evidence {
             self.residual_px,
             (-self.log10_false_alarms).clamp(0.0, 200.0).sqrt(),
             semi_minor_px.ln(),
-            (self.clutter + 0.05).ln(),
         ]
     }
 

@@ -44,6 +44,7 @@ impl Place {
 }
 
 /// Whether two arcs can lie on one ellipse: each on the inner side of the other's tangents.
+#[inline(always)]
 pub(crate) fn can_belong(one: &Arc, other: &Arc) -> bool {
     const PLACES: [usize; 3] = [1, SAMPLES / 2, SAMPLES - 2];
     let inner = |arc: &Arc, i: usize, point: &Arc, j: usize| {

@@ -94,7 +94,12 @@ impl Search {
         let mut random = Pcg32::new(options.seed, 0);
         for rank in 0..order.len() {
             if !self.explained[rank] && !ranked.arc(rank).is_ring {
-                self.find_partners(ranked, rank, &mut random);
+                pulp::Arch::new().dispatch(Partnered {
+                    search: self,
+                    ranked,
+                    rank,
+                    random: &mut random,
+                });
                 self.try_partners(edges, ranked, rank, options, candidates);
             }
         }
@@ -103,6 +108,7 @@ impl Search {
     }
 
     /// Lets an arc vote with every later one that can belong to the same ellipse, and notes the best.
+    #[inline(always)]
     fn find_partners(&mut self, ranked: Ranked<'_>, rank: usize, random: &mut Pcg32) {
         self.partners.clear();
         let (one, here) = (ranked.arc(rank), self.places[rank]);
@@ -197,6 +203,23 @@ impl Search {
     }
 }
 
+/// The search for partners, to be compiled for an instruction set.
+struct Partnered<'a> {
+    search: &'a mut Search,
+    ranked: Ranked<'a>,
+    rank: usize,
+    random: &'a mut Pcg32,
+}
+
+impl pulp::WithSimd for Partnered<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _instructions: S) {
+        self.search.find_partners(self.ranked, self.rank, self.random);
+    }
+}
+
 /// The arcs by rank.
 #[derive(Clone, Copy)]
 struct Ranked<'a> {
@@ -205,6 +228,7 @@ struct Ranked<'a> {
 }
 
 impl<'a> Ranked<'a> {
+    #[inline(always)]
     fn arc(self, rank: usize) -> &'a Arc {
         &self.arcs[self.order[rank] as usize]
     }

@@ -128,7 +128,6 @@ impl Selection {
                 inside_share: evidence.inside_share,
                 gap_share: evidence.gap_share,
                 gradient_agreement: evidence.gradient_agreement,
-                clutter: evidence.clutter,
                 log10_false_alarms: evidence.log10_false_alarms,
                 residual_px: evidence.residual_px,
                 stroke_width_px: partner.map(|(width_px, _)| width_px),

@@ -253,28 +253,5 @@ impl pulp::WithSimd for Walked<'_> {
     }
 }
 
-/// How crowded it is beside a contour: the mean number of edge points in 3 x 3 pixels, 4 px off on either side, at a few
-/// dozen places.
-pub(crate) fn clutter(edges: &EdgeMap, shape: &Shape) -> f64 {
-    const PLACES: u32 = 48;
-    let (mut count, mut looks) = (0_u32, 0_u32);
-    for (x, y) in shape.ellipse().outline(PLACES) {
-        let (_, normal_x, normal_y) = shape.distance(x, y);
-        for side in [-4.0, 4.0] {
-            let (column, row) =
-                ((x + side * normal_x + 0.5) as i32, (y + side * normal_y + 0.5) as i32);
-            let (right, bottom) = (edges.map.width() as i32 - 2, edges.map.height() as i32 - 2);
-            if !(2..right).contains(&column) || !(2..bottom).contains(&row) {
-                continue;
-            }
-            looks += 1;
-            for line in row - 1..=row + 1 {
-                edges.map.visit_run(column, line, 1, |_| count += 1);
-            }
-        }
-    }
-    f64::from(count) / f64::from(looks.max(1))
-}
-
 #[cfg(test)]
 mod tests;

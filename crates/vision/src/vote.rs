@@ -22,6 +22,7 @@ pub(crate) const VOTES: usize = 2 * (SAMPLES - 1 - 2 * BLIND);
 
 /// Lets the samples of two arcs vote for the conics that touch them at sample `from` of the one and `to` of the other;
 /// returns the votes of the fullest window.
+#[inline(always)]
 pub(crate) fn vote(one: &Arc, from: usize, other: &Arc, to: usize) -> u8 {
     let (px, py, qx, qy) = (one.x[from], one.y[from], other.x[to], other.y[to]);
     let (chord_x, chord_y) = (qx - px, qy - py);

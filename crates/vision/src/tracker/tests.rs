@@ -58,7 +58,6 @@ pub(super) fn detected(ellipse: Ellipse) -> DetectedEllipse {
         inside_share: 1.0,
         gap_share: 0.0,
         gradient_agreement: 0.9,
-        clutter: 0.0,
         log10_false_alarms: -20.0,
         residual_px: 0.3,
         stroke_width_px: None,

@@ -246,6 +246,42 @@ fn support_and_covariance_come_on_request() {
     );
 }
 
+#[test]
+fn near_predictions_only_what_is_there_is_found() {
+    let (image, truths) = table(320, 240);
+    let moved = |e: &Ellipse| Ellipse {
+        center_x_px: e.center_x_px + 2.0,
+        center_y_px: e.center_y_px - 1.5,
+        semi_major_px: e.semi_major_px + 1.0,
+        ..*e
+    };
+    let predictions =
+        [moved(&truths[3]), ellipse(160.0, 130.0, 15.0, 12.0, 0.0), moved(&truths[0])];
+    let mut detector = default();
+    let detection = detector.detect_near(&image.view(), &predictions);
+    assert_eq!(detection.ellipses.len(), 2, "{:#?}", detection.ellipses);
+    assert!(off_px(&detection.ellipses[0].ellipse, &truths[3]) < 0.2);
+    assert!(off_px(&detection.ellipses[1].ellipse, &truths[0]) < 0.2);
+    // Predictions that are none, or lie elsewhere, give nothing.
+    let nothing = [
+        ellipse(f64::NAN, 60.0, 20.0, 20.0, 0.0),
+        ellipse(60.0, 60.0, f64::INFINITY, 20.0, f64::NAN),
+        ellipse(60.0, 60.0, 0.0, -5.0, 0.0),
+        ellipse(1e300, -1e300, 1e300, 1e300, 1e300),
+        ellipse(-500.0, 9000.0, 30.0, 20.0, 0.0),
+    ];
+    for prediction in nothing {
+        assert!(
+            detector.detect_near(&image.view(), &[prediction]).ellipses.is_empty(),
+            "{prediction:?}"
+        );
+    }
+    assert!(detector.detect_near(&image.view(), &[]).ellipses.is_empty());
+    assert!(detector.detect_near(&image.view(), &nothing).ellipses.is_empty());
+    let tiny = picture(2, 2, |x, _| 200.0 * x);
+    assert!(detector.detect_near(&tiny.view(), &truths).ellipses.is_empty());
+}
+
 /// Small pictures of every kind that chance makes: whatever is found is finite, in canonical form and within the options.
 fn any_picture() -> impl Strategy<Value = (usize, usize, Vec<u8>)> {
     let size = || prop_oneof![1_usize..6, 6_usize..70, 126_usize..131];

@@ -231,12 +231,10 @@ fn support_and_covariance_come_on_request() {
         let points = detection.support_of(found);
         assert!(points.len() > 50, "{found:?}");
         let covariance = found.covariance.expect("asked for");
-        for i in 0..5 {
-            assert!(covariance[i][i] > 0.0);
-            for j in 0..5 {
-                assert!(
-                    (covariance[i][j] - covariance[j][i]).abs() <= 1e-9 * covariance[i][i].max(1.0)
-                );
+        for (i, row) in covariance.iter().enumerate() {
+            assert!(row[i] > 0.0);
+            for (j, value) in row.iter().enumerate() {
+                assert!((value - covariance[j][i]).abs() <= 1e-9 * row[i].max(1.0));
             }
         }
     }

@@ -10,7 +10,7 @@ use drawing::{picture, random};
 use rsapien_vision::{Detection, Detector, GrayImage};
 
 /// More than a hundred times what a picture of these sizes takes, in a debug build.
-const TIME_MAX: Duration = Duration::from_secs(60);
+const TIME_MAX: Duration = Duration::from_mins(1);
 
 fn look(name: &str, image: &GrayImage) -> Detection {
     let start = Instant::now();

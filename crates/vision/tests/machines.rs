@@ -1,6 +1,7 @@
 //! The same ellipses on every machine: recorded results of pictures that are drawn in integers. Who changes the detector
 //! on purpose records them anew, from what the test prints.
 #![allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
+#![allow(clippy::cast_possible_wrap, clippy::many_single_char_names)]
 
 use rsapien_vision::{Detector, GrayImage, Options, Strokes};
 

@@ -29,7 +29,7 @@ proptest! {
         let is_marked = |x: usize, y: usize| {
             let at = y * width + x;
             let dense = marks[at / 64 % 16] >> (at % 64) & 1 == 1;
-            dense && (!sparse || at % 7 == 0)
+            dense && (!sparse || at.is_multiple_of(7))
         };
         let mut map = PointMap::default();
         // What a larger picture left behind is gone.
@@ -43,7 +43,7 @@ proptest! {
         for row in 0..height {
             for column in (0..width).filter(|&column| is_marked(column, row)) {
                 map.row_mut(row)[column / 64] |= 1 << (column % 64);
-                places.push((column as i32, row as i32));
+                places.push((i32::try_from(column).unwrap(), i32::try_from(row).unwrap()));
             }
         }
         map.seal();
@@ -60,7 +60,7 @@ proptest! {
 
     /// A straight edge at any angle: no point is off by more than a tenth of a pixel.
     #[test]
-    fn a_step_is_found_between_pixels(theta_rad in 0.0..6.28, shift in -0.5..0.5) {
+    fn a_step_is_found_between_pixels(theta_rad in 0.0..std::f64::consts::TAU, shift in -0.5..0.5) {
         let (sin, cos) = f64::sin_cos(theta_rad);
         let offset = |x: f64, y: f64| -> f64 { (x - 32.0) * cos + (y - 32.0) * sin - shift };
         let image = picture(65, 65, |x, y| 60.0 + 120.0 * (0.5 + offset(x, y)).clamp(0.0, 1.0));

@@ -1,5 +1,6 @@
 //! Pictures drawn by the tests of the public interface.
 #![allow(dead_code, reason = "each test file takes what it needs")]
+#![allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
 
 use rsapien_vision::{Ellipse, GrayImage};
 
@@ -31,7 +32,7 @@ pub(crate) fn scene(
     })
 }
 
-/// Numbers that look random and are the same in every run (SplitMix64).
+/// Numbers that look random and are the same in every run (`SplitMix64`).
 pub(crate) fn random(seed: u64, at: u64) -> u64 {
     let mut z = seed.wrapping_add(at.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::edges::EdgeMap;
-use crate::meaning::{Evidence, log10_false_alarms};
+use crate::meaning::Evidence;
 use crate::options::Options;
 use crate::shape::{Point, Shape};
 use crate::support::{Along, Hit, STEPS_MAX, Support};
@@ -11,9 +11,11 @@ use crate::support::{Along, Hit, STEPS_MAX, Support};
 /// Candidates looked at in one picture at the most.
 const TRIED_MAX: usize = 6_000;
 /// Steps of the coarse rounds along a contour.
-const COARSE_STEPS: usize = 80;
+const COARSE_STEPS: usize = 64;
 /// Least hits of a coarse round and of a candidate.
 const HITS_MIN: usize = 8;
+/// Candidates that score less before the last fit are not followed further.
+const HOPELESS_SCORE: f64 = 0.02;
 /// Least share of the contour that a coarse round finds.
 const COARSE_SHARE_MIN: f64 = 0.15;
 /// Greatest semi-major axis, as a share of the picture's longer side: of a larger ellipse too little is seen.
@@ -108,6 +110,12 @@ impl Candidates {
             if self.along.hits.len() < HITS_MIN || support.share < COARSE_SHARE_MIN {
                 return None;
             }
+            let is_hopeless = steps == STEPS_MAX
+                && Evidence::new(edges, &support).score(shape.ellipse().semi_minor_px)
+                    < HOPELESS_SCORE;
+            if is_hopeless {
+                return None;
+            }
             self.points.clear();
             self.points.extend(self.along.hits.iter().map(|&hit| {
                 let point = &edges.points[hit as usize];
@@ -128,14 +136,7 @@ impl Candidates {
         }
         let start = self.hits.len();
         self.hits.extend_from_slice(&self.along.hits);
-        let evidence = Evidence {
-            support_share: support.share,
-            inside_share: support.inside,
-            gap_share: support.gap,
-            gradient_agreement: support.agreement,
-            residual_px: support.residual,
-            log10_false_alarms: log10_false_alarms(edges, &support),
-        };
+        let evidence = Evidence::new(edges, &support);
         let score = evidence.score(shape.ellipse().semi_minor_px);
         Some(Candidate { shape, support, evidence, score, hits: start..self.hits.len() })
     }

@@ -17,9 +17,20 @@ pub(crate) struct Evidence {
 /// Number of features of the score.
 pub(crate) const FEATURES: usize = 6;
 /// Weights of the features and, last, the constant: a logistic regression, made by the example `score-weights`.
-const WEIGHTS: [f64; FEATURES + 1] = [0.538, -5.914, -0.937, -13.059, 0.525, 1.096, -5.438];
+const WEIGHTS: [f64; FEATURES + 1] = [2.543, -5.756, -1.594, -11.584, 0.429, 1.647, -9.509];
 
 impl Evidence {
+    pub(crate) fn new(edges: &EdgeMap, support: &Support) -> Self {
+        Self {
+            support_share: support.share,
+            inside_share: support.inside,
+            gap_share: support.gap,
+            gradient_agreement: support.agreement,
+            residual_px: support.residual,
+            log10_false_alarms: log10_false_alarms(edges, support),
+        }
+    }
+
     /// What the score is computed from.
     pub(crate) fn features(&self, semi_minor_px: f64) -> [f64; FEATURES] {
         [
@@ -50,7 +61,7 @@ const INDEPENDENT_PX: f64 = 2.0;
 /// Decimal logarithm of the expected number of false alarms: the number of ellipses that could be tested in a picture,
 /// its area to the power 5/2 for five parameters, times the chance that one of them has this support. An edge lies on a
 /// step of the contour by chance as often as the edge points' density in the picture says.
-pub(crate) fn log10_false_alarms(edges: &EdgeMap, support: &Support) -> f64 {
+fn log10_false_alarms(edges: &EdgeMap, support: &Support) -> f64 {
     let area_px2 = (edges.map.width() * edges.map.height()) as f64;
     let density = edges.points.len() as f64 / area_px2;
     let chance = (density * BAND_WIDTH_PX * DIRECTION_CHANCE).clamp(0.01, 0.5);

@@ -49,7 +49,7 @@ pub(crate) struct Arc {
 /// Buffers of the cutting.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Arcs {
-    pub(crate) arcs: Vec<Arc>,
+    pub(crate) all: Vec<Arc>,
     vertices: Vec<usize>,
     stack: Vec<(usize, usize)>,
     turns: Vec<f32>,
@@ -59,9 +59,9 @@ pub(crate) struct Arcs {
 impl Arcs {
     /// Cuts every chain, in place of the arcs of the picture before.
     pub(crate) fn cut(&mut self, chains: &mut Chains) {
-        self.arcs.clear();
-        for at in 0..chains.chains.len() {
-            let chain = chains.chains[at].clone();
+        self.all.clear();
+        for at in 0..chains.all.len() {
+            let chain = chains.all[at].clone();
             let range = chain.range.clone();
             // A short chain may be a small ellipse, of which a coarse polygon leaves a triangle.
             let small = TOLERANCE_PX.min(0.25 + range.len() as f32 / 120.0);
@@ -195,10 +195,10 @@ impl Arcs {
         // The longest run from the front that is elliptic, then the rest.
         let mut from = 0;
         while from + 2 < vertices.len() {
-            let mut to = self.one_round(points, vertices, from);
+            let mut to = one_round(points, vertices, from);
             let mut found = None;
             while to > from + 1 {
-                let turn: f32 = self.turn_between(points, &vertices[from..=to]);
+                let turn: f32 = turn_between(points, &vertices[from..=to]);
                 if turn.abs() < TURN_FITTED_RAD {
                     found = Some((turn, None));
                     break;
@@ -216,27 +216,6 @@ impl Arcs {
             }
             from = to.max(from + 1);
         }
-    }
-
-    /// The vertex at which the run from `from` has gone once around, or its last one: no ellipse goes on behind it, and
-    /// trying would take the square of the length of a spiral.
-    fn one_round(&self, points: &[EdgePoint], vertices: &[usize], from: usize) -> usize {
-        let (mut to, mut turn_rad) = (from + 2, 0.0_f32);
-        while to < vertices.len() - 1 && turn_rad.abs() < std::f32::consts::TAU {
-            turn_rad += self.turn_between(points, &vertices[to - 2..=to]);
-            to += 1;
-        }
-        to
-    }
-
-    fn turn_between(&self, points: &[EdgePoint], vertices: &[usize]) -> f32 {
-        vertices
-            .windows(3)
-            .map(|window| {
-                let (sin, cos) = turn(points[window[0]], points[window[1]], points[window[2]]);
-                sin.atan2(cos)
-            })
-            .sum()
     }
 
     /// The ellipse through a run of points, if there is one that stays near to all of them.
@@ -278,7 +257,7 @@ impl Arcs {
             (-dy * scale, dx * scale)
         };
         let normals: [(f32, f32); SAMPLES] = std::array::from_fn(normal);
-        self.arcs.push(Arc {
+        self.all.push(Arc {
             x,
             y,
             inside_x: normals.map(|normal| normal.0),
@@ -297,6 +276,28 @@ fn turn(a: EdgePoint, b: EdgePoint, c: EdgePoint) -> (f32, f32) {
     let (vx, vy) = (c.x - b.x, c.y - b.y);
     let norm = ((ux * ux + uy * uy) * (vx * vx + vy * vy)).sqrt().max(1e-9);
     ((ux * vy - uy * vx) / norm, (ux * vx + uy * vy) / norm)
+}
+
+/// The vertex at which the run from `from` has gone once around, or its last one: no ellipse goes on behind it, and trying
+/// would take the square of the length of a spiral.
+fn one_round(points: &[EdgePoint], vertices: &[usize], from: usize) -> usize {
+    let (mut to, mut turn_rad) = (from + 2, 0.0_f32);
+    while to < vertices.len() - 1 && turn_rad.abs() < std::f32::consts::TAU {
+        turn_rad += turn_between(points, &vertices[to - 2..=to]);
+        to += 1;
+    }
+    to
+}
+
+/// Sum of the turns along a run of vertices, radians.
+fn turn_between(points: &[EdgePoint], vertices: &[usize]) -> f32 {
+    vertices
+        .windows(3)
+        .map(|window| {
+            let (sin, cos) = turn(points[window[0]], points[window[1]], points[window[2]]);
+            sin.atan2(cos)
+        })
+        .sum()
 }
 
 /// The sense in which a closed run of points turns: the sign of its area.

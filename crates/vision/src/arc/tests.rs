@@ -19,7 +19,7 @@ fn a_disc_is_one_whole_ring() {
         if !is_bright {
             image.pixels_mut().iter_mut().for_each(|grey| *grey = 255 - *grey);
         }
-        let arcs = cut(&image).arcs;
+        let arcs = cut(&image).all;
         assert_eq!(arcs.len(), 1, "{arcs:?}");
         let arc = &arcs[0];
         assert!(arc.is_ring);
@@ -48,7 +48,7 @@ fn a_polygon_has_no_arc() {
             let outside = (dx * cos + dy * sin).abs().max((dy * cos - dx * sin).abs()) - 45.0;
             40.0 + 160.0 * (0.5 - outside).clamp(0.0, 1.0)
         });
-        let arcs = cut(&image).arcs;
+        let arcs = cut(&image).all;
         assert!(arcs.is_empty(), "turned by {theta}: {arcs:?}");
     }
 }
@@ -57,7 +57,7 @@ fn a_polygon_has_no_arc() {
 fn two_discs_that_overlap_are_cut_where_they_meet() {
     let (one, other) =
         (ellipse(55.0, 60.0, 35.0, 35.0, 0.0), ellipse(105.0, 60.0, 35.0, 35.0, 0.0));
-    let arcs = cut(&discs(160, 120, &[one, other])).arcs;
+    let arcs = cut(&discs(160, 120, &[one, other])).all;
     let mut seen = [0.0_f32; 2];
     for arc in &arcs {
         let on = [one, other].map(|truth| {
@@ -78,7 +78,7 @@ fn a_spiral_is_cut_in_bounded_time() {
         128.0 + 100.0 * (dx.hypot(dy) * std::f64::consts::TAU / 10.0 + dy.atan2(dx)).sin()
     });
     let start = std::time::Instant::now();
-    let arcs = cut(&image).arcs;
+    let arcs = cut(&image).all;
     // In a debug build on a slow machine; the square of the sides would take minutes.
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
     assert!(arcs.len() > 50);

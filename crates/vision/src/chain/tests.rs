@@ -24,8 +24,8 @@ fn a_disc_is_one_ring() {
     {
         let truth = ellipse(x, y, a, b, theta);
         let chains = linked(&discs(120, 120, &[truth]));
-        let rings: Vec<_> = chains.chains.iter().filter(|chain| chain.is_ring).collect();
-        assert_eq!((rings.len(), chains.chains.len()), (1, 1), "{truth:?}: {:?}", chains.chains);
+        let rings: Vec<_> = chains.all.iter().filter(|chain| chain.is_ring).collect();
+        assert_eq!((rings.len(), chains.all.len()), (1, 1), "{truth:?}: {:?}", chains.all);
         let points = &chains.points[rings[0].range.clone()];
         assert!(points.len() as f64 > 0.6 * truth.perimeter_px());
         let (first, last) = (points[0], points[points.len() - 1]);
@@ -36,15 +36,15 @@ fn a_disc_is_one_ring() {
 #[test]
 fn a_drawn_ring_is_two() {
     let chains = linked(&rings(120, 120, &[ellipse(60.0, 60.0, 40.0, 30.0, 0.3)], 5.0));
-    assert_eq!(chains.chains.iter().filter(|chain| chain.is_ring).count(), 2);
+    assert_eq!(chains.all.iter().filter(|chain| chain.is_ring).count(), 2);
 }
 
 #[test]
 fn a_step_is_one_open_chain() {
     let image = picture(90, 60, |x, y| if 3.0 * y > x + 40.0 { 200.0 } else { 50.0 });
     let chains = linked(&image);
-    assert_eq!(chains.chains.len(), 1, "{:?}", chains.chains);
-    assert!(!chains.chains[0].is_ring);
+    assert_eq!(chains.all.len(), 1, "{:?}", chains.all);
+    assert!(!chains.all[0].is_ring);
 }
 
 #[test]
@@ -54,9 +54,9 @@ fn the_bright_side_stays_on_one_hand_and_no_point_is_in_two_chains() {
         let mut edges = EdgeMap::default();
         edges.find(&patches(width, height, seed).view());
         chains.link(&edges);
-        assert!(!chains.chains.is_empty());
+        assert!(!chains.all.is_empty());
         let mut end = 0;
-        for chain in &chains.chains {
+        for chain in &chains.all {
             assert_eq!(chain.range.start, end, "chains follow each other");
             end = chain.range.end;
             assert!(chain.range.len() >= POINTS_MIN);

@@ -22,6 +22,8 @@ const LENGTH_MIN_PX: f32 = 10.0;
 const TURN_MIN_RAD: f32 = 0.25;
 /// Turn from which an arc must be elliptic by itself, radians.
 const TURN_FITTED_RAD: f32 = 1.0;
+/// The polygon has a vertex after so many points at the latest: of a spiral each side is looked for along all that is left.
+const PIECE_POINTS: usize = 16_384;
 /// Points of an arc that stand for it.
 pub(crate) const SAMPLES: usize = 12;
 
@@ -76,7 +78,8 @@ impl Arcs {
     fn polygon(&mut self, points: &[EdgePoint], range: Range<usize>, tolerance_px: f32) {
         self.vertices.clear();
         self.stack.clear();
-        let (mut first, mut last) = (range.start, range.end - 1);
+        let end = range.end - 1;
+        let (mut first, mut last) = (range.start, end.min(range.start + PIECE_POINTS));
         self.vertices.push(first);
         loop {
             let (a, b) = (points[first], points[last]);
@@ -106,6 +109,7 @@ impl Arcs {
                 self.vertices.push(last);
                 match self.stack.pop() {
                     Some(next) => (first, last) = next,
+                    None if last < end => (first, last) = (last, end.min(last + PIECE_POINTS)),
                     None => break,
                 }
             }
@@ -191,7 +195,7 @@ impl Arcs {
         // The longest run from the front that is elliptic, then the rest.
         let mut from = 0;
         while from + 2 < vertices.len() {
-            let mut to = vertices.len() - 1;
+            let mut to = one_round(points, vertices, from);
             let mut found = None;
             while to > from + 1 {
                 let turn: f32 = turn_between(points, &vertices[from..=to]);
@@ -274,6 +278,17 @@ fn turn(a: EdgePoint, b: EdgePoint, c: EdgePoint) -> (f32, f32) {
     ((ux * vy - uy * vx) / norm, (ux * vx + uy * vy) / norm)
 }
 
+/// The vertex at which the run from `from` has gone once around, or its last one: no ellipse goes on behind it, and trying
+/// would take the square of the length of a spiral.
+fn one_round(points: &[EdgePoint], vertices: &[usize], from: usize) -> usize {
+    let (mut to, mut turn_rad) = (from + 2, 0.0_f32);
+    while to < vertices.len() - 1 && turn_rad.abs() < std::f32::consts::TAU {
+        turn_rad += turn_between(points, &vertices[to - 2..=to]);
+        to += 1;
+    }
+    to
+}
+
 /// Sum of the turns along a run of vertices, radians.
 fn turn_between(points: &[EdgePoint], vertices: &[usize]) -> f32 {
     vertices
@@ -296,3 +311,6 @@ fn turn_sign(points: &[EdgePoint]) -> f32 {
         .sum();
     area.signum()
 }
+
+#[cfg(test)]
+mod tests;

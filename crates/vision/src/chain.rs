@@ -192,3 +192,6 @@ impl pulp::WithSimd for Linked<'_> {
         self.chains.link_all(self.edges);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -81,3 +81,6 @@ fn log10_tail(trials: f64, hits: f64, chance: f64) -> f64 {
         share * (share / chance).ln() + (1.0 - share) * ((1.0 - share) / (1.0 - chance)).ln();
     -trials * divergence / std::f64::consts::LN_10
 }
+
+#[cfg(test)]
+mod tests;

@@ -23,6 +23,8 @@ const STROKE_AREA_RATIO_MIN: f64 = 1.0 / 3.0;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Selection {
     kept: Vec<Kept>,
+    /// Whether it is bright inside, for each ellipse of the result.
+    senses: Vec<bool>,
 }
 
 /// A candidate that is no double of a better one.
@@ -66,6 +68,7 @@ impl Selection {
     ) {
         detection.ellipses.clear();
         detection.support.clear();
+        self.senses.clear();
         // Of equals the one found first, so that the order is one only.
         candidates.all.sort_unstable_by(|a, b| {
             b.score.total_cmp(&a.score).then(a.hits.start.cmp(&b.hits.start))
@@ -86,11 +89,16 @@ impl Selection {
                 }
                 None => one.ellipse,
             };
-            let is_double =
-                |found: &DetectedEllipse| found.ellipse.overlap_star(&ellipse) > DOUBLE_OVERLAP;
-            if detection.ellipses.iter().any(is_double) {
+            // The two edges of a narrow stroke overlap too, and are told apart by their sense.
+            let is_bright_inside = candidates.all[one.at].is_bright_inside();
+            let is_double = |(found, &sense): (&DetectedEllipse, &bool)| {
+                (sense == is_bright_inside || options.strokes == Strokes::MiddleLine)
+                    && found.ellipse.overlap_star(&ellipse) > DOUBLE_OVERLAP
+            };
+            if detection.ellipses.iter().zip(&self.senses).any(is_double) {
                 continue;
             }
+            self.senses.push(is_bright_inside);
             let edge_of_partner = partner.map(|(_, j)| self.kept[j].at);
             let best = &candidates.all[one.at];
             let start = detection.support.len();
@@ -230,3 +238,6 @@ fn middle(one: &Ellipse, other: &Ellipse) -> Ellipse {
     }
     .canonical()
 }
+
+#[cfg(test)]
+mod tests;

@@ -252,3 +252,6 @@ impl pulp::WithSimd for Walked<'_> {
         along.walk(edges, shape, tolerance, cos_min, steps_max)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -18,6 +18,33 @@ pub(crate) fn rings(width: usize, height: usize, ellipses: &[Ellipse], width_px:
     GrayImage::new(data, width, height).expect("a test picture is within the limits")
 }
 
+/// A picture of grey 40 with an anti-aliased disc of grey 200 in each ellipse.
+pub(crate) fn discs(width: usize, height: usize, ellipses: &[Ellipse]) -> GrayImage {
+    picture(width, height, |x, y| {
+        let distance = ellipses.iter().map(|ellipse| ellipse.distance_px(x, y));
+        40.0 + 160.0 * (0.5 - distance.fold(f64::INFINITY, f64::min)).clamp(0.0, 1.0)
+    })
+}
+
+/// A picture whose grey values are a function of the place.
+pub(crate) fn picture(width: usize, height: usize, grey: impl Fn(f64, f64) -> f64) -> GrayImage {
+    let places = (0..width * height).map(|i| ((i % width) as f64, (i / width) as f64));
+    let data = places.map(|(x, y)| grey(x, y).round() as u8).collect();
+    GrayImage::new(data, width, height).expect("a test picture is within the limits")
+}
+
+/// Squares of 5 px of random grey values: edges everywhere, unlike noise, whose edges the threshold keeps out.
+pub(crate) fn patches(width: usize, height: usize, seed: u64) -> GrayImage {
+    let columns = width / 5 + 1;
+    let values = noise(columns * (height / 5 + 1), seed);
+    picture(width, height, |x, y| f64::from(values[y as usize / 5 * columns + x as usize / 5]))
+}
+
+/// Centre, semi-axes and angle.
+pub(crate) fn ellipse(x: f64, y: f64, a: f64, b: f64, theta_rad: f64) -> Ellipse {
+    Ellipse { center_x_px: x, center_y_px: y, semi_major_px: a, semi_minor_px: b, theta_rad }
+}
+
 /// Bytes that look random and are the same in every run.
 pub(crate) fn noise(length: usize, seed: u64) -> Vec<u8> {
     use rand::Rng;

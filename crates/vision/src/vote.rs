@@ -89,3 +89,6 @@ impl Pair {
 fn log2(value: f32) -> f32 {
     value.to_bits() as f32 * (1.0 / 8_388_608.0) - 127.0
 }
+
+#[cfg(test)]
+mod tests;

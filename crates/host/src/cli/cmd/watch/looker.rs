@@ -5,23 +5,15 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use rsapien_vision::{Detector, Ellipse, GrayView, Options};
 
-use crate::cli::diagnostics::{Failure, Result};
+use crate::cli::diagnostics::Result;
+use crate::cli::limits::LimitOptions;
 
 /// What steers the detector.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Options of the detector")]
 pub(super) struct LookerOptions {
-    /// Least semi-minor axis in pixels, 3 to 16384
-    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true)]
-    min_axis: Option<f64>,
-
-    /// Greatest semi-major axis in pixels, up to 16384
-    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true)]
-    max_axis: Option<f64>,
-
-    /// Least score, 0 to 1
-    #[arg(long, value_name = "SCORE", allow_negative_numbers = true)]
-    min_score: Option<f64>,
+    #[command(flatten)]
+    limits: LimitOptions,
 
     /// Find the ellipses of each frame by itself, and follow none
     #[arg(long)]
@@ -30,21 +22,7 @@ pub(super) struct LookerOptions {
 
 impl LookerOptions {
     pub(super) fn looker(&self) -> Result<Looker> {
-        let defaults = Options::default();
-        let options = Options {
-            semi_axis_min_px: self.min_axis.unwrap_or(defaults.semi_axis_min_px),
-            semi_axis_max_px: self.max_axis.unwrap_or(defaults.semi_axis_max_px),
-            score_min: self.min_score.unwrap_or(defaults.score_min),
-            ..defaults
-        };
-        let detector = Detector::with_options(options).map_err(|error| {
-            let flag = match error.field {
-                "semi_axis_min_px" => "--min-axis",
-                "semi_axis_max_px" => "--max-axis",
-                _ => "--min-score",
-            };
-            Failure::from_error(&error).hint(format!("{} is set by {flag}", error.field))
-        })?;
+        let detector = self.limits.detector(Options::default())?;
         Ok(Looker { detector, follows: !self.no_tracks })
     }
 }

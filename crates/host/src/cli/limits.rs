@@ -75,7 +75,7 @@ mod tests {
     fn the_ranges_told_are_the_detectors() {
         let limits = |min_axis, min_ratio| LimitOptions {
             min_axis: Some(min_axis),
-            max_axis: Some(SIDE_PX_MAX as f64),
+            max_axis: Some(16_384.0),
             min_ratio: Some(min_ratio),
             min_score: Some(0.0),
         };

@@ -9,6 +9,7 @@ mod context;
 mod diagnostics;
 mod exit;
 mod firmware;
+mod limits;
 mod output;
 mod performance;
 mod progress;

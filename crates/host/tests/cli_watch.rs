@@ -20,26 +20,35 @@ const HEIGHT: usize = 121;
 /// Radius of the disc in every film, whose centre moves by two pixels a frame.
 const RADIUS_PX: f64 = 30.0;
 
-/// Brightness of frame `number`: a bright disc on a dark ground.
-fn disc(number: usize) -> Vec<u8> {
+/// Brightness of bright discs, each by centre and radius, on a dark ground.
+fn discs(discs: &[(f64, f64, f64)]) -> Vec<u8> {
     let place = |index: usize| ((index % WIDTH) as f64, (index / WIDTH) as f64);
     let is_inside = |index| {
         let (x, y) = place(index);
-        (x - 60.0 - 2.0 * number as f64).hypot(y - 60.0) < RADIUS_PX
+        discs.iter().any(|&(cx, cy, radius)| (x - cx).hypot(y - cy) < radius)
     };
     (0..WIDTH * HEIGHT).map(|index| if is_inside(index) { 200 } else { 50 }).collect()
+}
+
+/// Brightness of frame `number`.
+fn disc(number: usize) -> Vec<u8> {
+    discs(&[(60.0 + 2.0 * number as f64, 60.0, RADIUS_PX)])
 }
 
 fn header() -> Vec<u8> {
     format!("YUV4MPEG2 W{WIDTH} H{HEIGHT} F25:1 Ip A1:1 C420jpeg\n").into_bytes()
 }
 
-/// One frame of a film with `number`'s disc and no colours.
-fn frame(number: usize) -> Vec<u8> {
+/// One frame of a film with this brightness and no colours.
+fn frame_of(brightness: &[u8]) -> Vec<u8> {
     let mut bytes = b"FRAME\n".to_vec();
-    bytes.extend(disc(number));
+    bytes.extend(brightness);
     bytes.resize(bytes.len() + 2 * WIDTH.div_ceil(2) * HEIGHT.div_ceil(2), 128);
     bytes
+}
+
+fn frame(number: usize) -> Vec<u8> {
+    frame_of(&disc(number))
 }
 
 fn film(frames: usize) -> Vec<u8> {
@@ -78,8 +87,15 @@ fn told(stderr: &mut BufReader<ChildStderr>, part: &str) -> String {
     text
 }
 
-fn count(lines: &[Value], key: &str) -> usize {
-    lines.iter().map(|line| line[key].as_array().unwrap().len()).sum()
+/// The tracks of a line by identity, with centre and state.
+fn tracks(line: &Value) -> Vec<(u64, [f64; 2], &str)> {
+    let center = |track: &Value, index: usize| track["ellipse"][index].as_f64().unwrap();
+    (line["tracks"].as_array().unwrap().iter())
+        .map(|track| {
+            let at = [center(track, 0), center(track, 1)];
+            (track["id"].as_u64().unwrap(), at, track["state"].as_str().unwrap())
+        })
+        .collect()
 }
 
 #[test]
@@ -93,14 +109,16 @@ fn each_frame_of_a_film_is_a_line_and_the_disc_is_where_it_is() {
         assert_eq!(line["time_s"], number as f64 / 25.0);
         assert_eq!((&line["width"], &line["height"]), (&WIDTH.into(), &HEIGHT.into()));
         assert!(line["delay_ms"].as_f64() >= line["ms"].as_f64(), "{line}");
-        assert!(line["tracks"].is_array(), "{line}");
-        for ellipse in line["ellipses"].as_array().unwrap() {
-            let off = |index: usize, expected: f64| ellipse[index].as_f64().unwrap() - expected;
-            assert!(off(0, 60.0 + 2.0 * number as f64).abs() < 1.0, "{line}");
-            assert!(off(1, 60.0).abs() < 1.0 && off(2, RADIUS_PX).abs() < 1.0, "{line}");
-        }
+        let ellipses = line["ellipses"].as_array().unwrap();
+        assert_eq!((ellipses.len(), line["scores"].as_array().unwrap().len()), (1, 1), "{line}");
+        let off = |index: usize, expected: f64| ellipses[0][index].as_f64().unwrap() - expected;
+        assert!(off(0, 60.0 + 2.0 * number as f64).abs() < 1.0, "{line}");
+        assert!(off(1, 60.0).abs() < 1.0 && off(2, RADIUS_PX).abs() < 1.0, "{line}");
+        let tracks = tracks(line);
+        let state = if number == 0 { "tentative" } else { "confirmed" };
+        assert_eq!((tracks.len(), tracks[0].0, tracks[0].2), (1, 0, state), "{line}");
     }
-    assert_eq!(run.status, i32::from(count(&lines, "ellipses") == 0));
+    assert_eq!(run.status, 0);
     run.told(&["rsapien: 5 frames in ", "frames/s in", "looked at, 0 dropped; delay "]);
     assert!(
         run.stdout.starts_with("{\"frame\":0,\"time_s\":0.0,\"width\":161,\"height\":121,\"ms\":")
@@ -108,6 +126,35 @@ fn each_frame_of_a_film_is_a_line_and_the_disc_is_where_it_is() {
 
     let bare = self::run(&user, &["watch", "input", "--no-tracks", "--fps", "50"], &film(1));
     assert!(bare.json()["tracks"].is_null(), "{}", bare.stdout);
+    assert_eq!(bare.json()["ellipses"].as_array().unwrap().len(), 1, "{}", bare.stdout);
+}
+
+#[test]
+fn what_is_followed_keeps_its_identity_when_the_camera_jumps() {
+    const JUMP_AT: usize = 6;
+    let at = |number: usize| {
+        let (x, y) = if number < JUMP_AT { (0.0, 0.0) } else { (45.0, 30.0) };
+        let x = x + number as f64;
+        [(25.0 + x, 25.0 + y, 15.0), (65.0 + x, 30.0 + y, 11.0), (40.0 + x, 62.0 + y, 13.0)]
+    };
+    let frames = (0..10).flat_map(|number| frame_of(&discs(&at(number))));
+    let film: Vec<u8> = header().into_iter().chain(frames).collect();
+    let user = User::new();
+    let run = run(&user, &["watch", "-", "--every-frame"], &film);
+    let lines = run.json_lines();
+    assert_eq!(lines.len(), 10, "{}", run.stderr);
+    let seen_as = |number: usize| -> Vec<Option<u64>> {
+        let followed = tracks(&lines[number]);
+        let near = |x: f64, y: f64| {
+            let is_here = |at: [f64; 2]| (at[0] - x).hypot(at[1] - y) < 2.0;
+            followed.iter().find(|(_, at, state)| is_here(*at) && *state == "confirmed")
+        };
+        at(number).iter().map(|&(x, y, _)| near(x, y).map(|track| track.0)).collect()
+    };
+    let before = seen_as(JUMP_AT - 1);
+    assert!(before.iter().all(Option::is_some), "{before:?} {}", lines[JUMP_AT - 1]);
+    // Three frames are allowed for it.
+    assert_eq!(seen_as(JUMP_AT + 2), before, "{}", run.stdout);
 }
 
 #[test]

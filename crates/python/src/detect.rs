@@ -290,6 +290,13 @@ impl PyDetector {
     }
 }
 
+impl PyDetector {
+    /// A detector of its own with the same options.
+    pub(crate) fn copy(&self, py: Python<'_>) -> Detector {
+        py.detach(|| self.detector.lock().unwrap_or_else(PoisonError::into_inner).clone())
+    }
+}
+
 /// A pool of so many threads.
 fn pool(threads: usize) -> PyResult<rayon::ThreadPool> {
     if !(1..=THREADS_MAX).contains(&threads) {

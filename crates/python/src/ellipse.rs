@@ -16,7 +16,7 @@ pub(crate) struct PyEllipse {
 
 /// What speaks for it.
 enum Evidence {
-    /// It was made by hand.
+    /// It was made by hand, followed or projected.
     None,
     /// The default detector found it.
     Default(Box<(DetectedEllipse, Vec<SupportPoint>)>),
@@ -31,6 +31,15 @@ impl PyEllipse {
     pub(crate) fn found(found: &DetectedEllipse, support: &[SupportPoint]) -> Self {
         let evidence = Evidence::Default(Box::new((found.clone(), support.to_vec())));
         Self { ellipse: found.ellipse, evidence }
+    }
+
+    /// One that nothing more is told of.
+    pub(crate) fn plain(ellipse: Ellipse) -> Self {
+        Self { ellipse, evidence: Evidence::None }
+    }
+
+    pub(crate) fn ellipse(&self) -> &Ellipse {
+        &self.ellipse
     }
 
     pub(crate) fn of_paper(found: &paper::DetectedEllipse) -> Self {
@@ -84,7 +93,7 @@ impl PyEllipse {
             semi_minor_px: semi_minor,
             theta_rad: theta,
         };
-        Ok(Self { ellipse: ellipse.canonical(), evidence: Evidence::None })
+        Ok(Self::plain(ellipse.canonical()))
     }
 
     #[staticmethod]

@@ -5,9 +5,11 @@ mod detection;
 mod ellipse;
 mod errors;
 mod picture;
+mod pose;
 mod registry;
 mod robot;
 mod state;
+mod tracker;
 mod waiting;
 
 use pyo3::prelude::*;
@@ -25,10 +27,13 @@ fn _rsapien(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<detect::PyDetector>()?;
     module.add_class::<detection::PyDetection>()?;
     module.add_class::<ellipse::PyEllipse>()?;
+    module.add_class::<tracker::PyTracker>()?;
+    module.add_class::<tracker::PyTrack>()?;
     module.add_class::<registry::PyRegistry>()?;
     module.add_class::<robot::PyOutcome>()?;
     module.add_class::<robot::PyRobot>()?;
     module.add_function(wrap_pyfunction!(detect::detect, module)?)?;
     module.add_function(wrap_pyfunction!(run_command, module)?)?;
+    pose::register(module)?;
     errors::register(module)
 }

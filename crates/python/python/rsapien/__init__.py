@@ -1,10 +1,12 @@
 """A toy humanoid as a laboratory robot, and an ellipse detector.
 
 ``Robot`` is the robot, real or virtual; ``Registry`` its actions; ``detect`` finds ellipses in a numpy
-array, ``Detector`` in many. Every error is a ``RsapienError``, but for wrong types and values, which are ``TypeError`` and
+array, ``Detector`` in many, and ``Tracker`` follows them through a video; ``pose`` leads from an ellipse to
+space. Every error is a ``RsapienError``, but for wrong types and values, which are ``TypeError`` and
 ``ValueError`` as usual.
 """
 
+from rsapien import pose
 from rsapien._rsapien import (
     ActionRefused,
     BadReport,
@@ -23,6 +25,8 @@ from rsapien._rsapien import (
     Robot,
     RobotRefused,
     RsapienError,
+    Track,
+    Tracker,
     UnknownAction,
     __version__,
     detect,
@@ -46,7 +50,10 @@ __all__ = [
     "Robot",
     "RobotRefused",
     "RsapienError",
+    "Track",
+    "Tracker",
     "UnknownAction",
     "__version__",
     "detect",
+    "pose",
 ]

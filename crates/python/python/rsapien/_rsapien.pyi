@@ -189,6 +189,135 @@ class Detector:
         and nothing else. Errors name the picture's index.
         """
 
+class Track:
+    """An ellipse followed from picture to picture, as it stood after one of them."""
+
+    @property
+    def id(self) -> int:
+        """Who it is: lasts as long as the track and is given to no other one."""
+    @property
+    def ellipse(self) -> Ellipse:
+        """The ellipse in this picture, smoothed; where it should be, if the picture does not show it."""
+    @property
+    def score(self) -> float:
+        """The ellipse's score when it was last seen, 0 to 1."""
+    @property
+    def state(self) -> Literal["tentative", "confirmed", "predicted"]:
+        """Not seen often enough yet; seen in this picture and often enough; not seen in this picture."""
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """x and y of the centre's velocity, in pixels a second."""
+    @property
+    def center_deviation(self) -> tuple[float, float]:
+        """Standard deviation of the centre's x and y in pixels, as the filter estimates it."""
+    @property
+    def age(self) -> int:
+        """Pictures since it was first seen, that one included."""
+    @property
+    def sightings(self) -> int:
+        """Pictures that showed it."""
+    @property
+    def misses(self) -> int:
+        """Pictures since one showed it; 0 if this one did."""
+
+class Tracker:
+    """Finds ellipses in a series of pictures and follows them, each by a number that lasts."""
+
+    def __new__(
+        cls,
+        detector: Optional[Detector] = None,
+        *,
+        fresh_every: Optional[int] = None,
+        confirmations: Optional[int] = None,
+        misses_max: Optional[int] = None,
+        overlap_min: Optional[float] = None,
+        noise: Optional[float] = None,
+        acceleration: Optional[float] = None,
+        speed: Optional[float] = None,
+    ) -> Tracker:
+        """A tracker that looks with a copy of ``detector``, or with the default options.
+
+        Every ``fresh_every``-th picture, 1 to 1000, is looked at as a whole, the others near what is followed: new
+        ellipses are found in the former. ``confirmations``, 1 to 100, pictures must show an ellipse until its track is
+        confirmed; one that is not seen is kept for ``misses_max``, 0 to 1000. ``overlap_min``, 0.05 to 0.95, is the
+        least overlap of a prediction with what it is taken for.
+
+        The filter has ``noise``, the least standard deviation of a measured place in pixels, 0.001 to 100;
+        ``acceleration``, by which velocities change, in pixels a second squared, 0 to 1000000: the lower, the
+        smoother; and ``speed``, that of what is seen for the first time, in pixels a second, 0 to 1000000.
+        Raises ``ValueError`` for a value out of its range.
+        """
+    def update(self, image: Picture, time: float) -> list[Track]:
+        """Looks at the next picture, taken at ``time`` in seconds from any start; the tracks, oldest first.
+
+        ``image`` is as of ``detect``. One of another size than the last starts anew. A time that is not a number or
+        lies before the last one counts as the same interval again, one later than 10 s after it as 10 s.
+        """
+    @property
+    def tracks(self) -> list[Track]:
+        """The tracks of the last picture, oldest first."""
+    def reset(self) -> None:
+        """Forgets all tracks; their numbers are not given again."""
+
+class Intrinsics:
+    """A pinhole camera: (x, y, z) is seen at (center_x + focal_x * x / z, center_y + focal_y * y / z)."""
+
+    def __new__(cls, focal_x: float, focal_y: float, center_x: float, center_y: float) -> Intrinsics:
+        """Focal lengths in widths and heights of a pixel, and where the optical axis meets the picture, in pixels."""
+    @staticmethod
+    def from_field_of_view(width: int, height: int, horizontal: float) -> Intrinsics:
+        """A camera with square pixels whose axis meets the middle of a picture of ``width`` by ``height`` pixels.
+
+        ``horizontal`` is the angle from its left to its right edge, in radians.
+        """
+    @property
+    def focal_x(self) -> float: ...
+    @property
+    def focal_y(self) -> float: ...
+    @property
+    def center_x(self) -> float: ...
+    @property
+    def center_y(self) -> float: ...
+
+class CirclePose:
+    """Where a circle stands and where it faces."""
+
+    def __new__(cls, center: Vector, normal: Vector) -> CirclePose: ...
+    @property
+    def center(self) -> tuple[float, float, float]:
+        """In metres; it is seen off the centre of the ellipse."""
+    @property
+    def normal(self) -> tuple[float, float, float]:
+        """Unit normal of its plane, of the two the one on the camera's side."""
+
+class BallPosition:
+    """Where a ball is."""
+
+    @property
+    def center(self) -> tuple[float, float, float]:
+        """In metres."""
+    @property
+    def misfit(self) -> float:
+        """How far the ellipse is from a ball's outline, in radians at the camera; a ball's is that of the noise."""
+
+Vector = Union[Sequence[float], NDArray[np.float64]]
+
+def circle_poses(ellipse: Ellipse, intrinsics: Intrinsics, radius: float) -> tuple[CirclePose, CirclePose]:
+    """The two poses of a circle of ``radius`` metres that is seen as ``ellipse``; only the scene tells which is true.
+
+    The first one's normal points further up, as that of a cup's rim does that is seen from above. Raises
+    ``ValueError`` for a radius that is not positive, and an ellipse so thin that its numbers do not tell.
+    """
+
+def ball_position(ellipse: Ellipse, intrinsics: Intrinsics, radius: float) -> BallPosition:
+    """The position of a ball of ``radius`` metres whose outline is ``ellipse``. Raises as ``circle_poses``."""
+
+def project_circle(pose: CirclePose, radius: float, intrinsics: Intrinsics) -> Optional[Ellipse]:
+    """What a circle of ``radius`` metres is seen as; ``None`` where it is not in front of the camera as an ellipse."""
+
+def project_ball(center: Vector, radius: float, intrinsics: Intrinsics) -> Optional[Ellipse]:
+    """The outline of a ball of ``radius`` metres; ``None`` where it is not in front of the camera with all of itself."""
+
 Picture = Union[NDArray[np.uint8], NDArray[np.uint16]]
 Region = tuple[int, int, int, int]
 

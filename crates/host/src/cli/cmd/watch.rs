@@ -37,7 +37,7 @@ use crate::video::{
 /// Each frame looked at is one line: {"frame": its number in the source, "time_s": its time from the first one on, by
 /// the film's rate or the clock, "width": w, "height": h, "ms": time of the detection, "delay_ms": from the complete
 /// frame to the result, "ellipses": [[cx, cy, a, b, theta], ...], "scores": [...], "tracks": [{"id": n, "ellipse":
-/// [...], "state": "..."}, ...]}; coordinates as of rsapien detect. With --mjpeg or --serve the lines are left out
+/// [...], "state": "tentative", "confirmed" or "predicted"}, ...]}; coordinates as of rsapien detect. With --mjpeg or --serve the lines are left out
 /// unless --json asks for them.
 ///
 /// Frame rates, delay, drops and everything wrong with the source are told on the standard error. A source that stalls
@@ -50,7 +50,7 @@ Examples:
   ffmpeg -i film.mp4 -f yuv4mpegpipe - | rsapien watch - --every-frame
   ffmpeg -f v4l2 -i /dev/video0 -f mjpeg - | rsapien watch - --serve 8080
   rsapien watch http://camera.local:8080/video --mjpeg found.mjpeg
-  rsapien watch photographs/ --min-axis 10 > ellipses.jsonl
+  rsapien watch photographs/ --no-tracks --min-axis 10 > ellipses.jsonl
   rsapien watch virtual --pan 40 --tilt -20 --frames 50")]
 pub(crate) struct Cmd {
     /// Where frames come from

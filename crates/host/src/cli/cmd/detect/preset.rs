@@ -8,6 +8,7 @@ use rsapien_vision::{Detector, Options, Region, Strokes};
 use super::search::Search;
 use super::tuning::Tuning;
 use crate::cli::diagnostics::{Failure, Result};
+use crate::cli::limits::LimitOptions;
 
 /// Presets by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -54,17 +55,8 @@ pub(in crate::cli::cmd) struct DetectorOptions {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Options of the preset default")]
 struct DefaultTuning {
-    #[arg(long, value_name = "PX", allow_negative_numbers = true, help = preset("Least semi-minor axis in pixels, 1.5 or more", |options| options.semi_axis_min_px))]
-    min_axis: Option<f64>,
-
-    #[arg(long, value_name = "PX", allow_negative_numbers = true, help = preset("Greatest semi-major axis in pixels", |options| options.semi_axis_max_px))]
-    max_axis: Option<f64>,
-
-    #[arg(long, value_name = "RATIO", allow_negative_numbers = true, help = preset("Least ratio of the semi-minor to the semi-major axis, 0.05 to 1", |options| options.axis_ratio_min))]
-    min_ratio: Option<f64>,
-
-    #[arg(long, value_name = "S", allow_negative_numbers = true, help = preset("Least score, 0 to 1: how much speaks for an ellipse", |options| options.score_min))]
-    min_score: Option<f64>,
+    #[command(flatten)]
+    limits: LimitOptions,
 
     /// Look only at this part of the picture, in pixels: left, top, width, height; results stay those of the whole
     #[arg(long, value_name = "X,Y,W,H")]
@@ -81,11 +73,6 @@ struct DefaultTuning {
     /// Tell with --json the covariance of each ellipse's five numbers
     #[arg(long)]
     covariance: bool,
-}
-
-/// Help that tells the default.
-fn preset(text: &str, value: impl Fn(&Options) -> f64) -> String {
-    format!("{text} [default: {}]", value(&Options::default()))
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -169,25 +156,18 @@ impl DefaultTuning {
     /// The first of these flags that was given.
     fn given(&self) -> Option<&'static str> {
         let flags = [
-            (self.min_axis.is_some(), "--min-axis"),
-            (self.max_axis.is_some(), "--max-axis"),
-            (self.min_ratio.is_some(), "--min-ratio"),
-            (self.min_score.is_some(), "--min-score"),
             (self.region.is_some(), "--region"),
             (self.strokes.is_some(), "--strokes"),
             (self.points, "--points"),
             (self.covariance, "--covariance"),
         ];
-        flags.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag))
+        let own = flags.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag));
+        self.limits.given().or(own)
     }
 
     fn detector(&self, seed: u64) -> Result<Detector> {
         let usual = Options::default();
         let options = Options {
-            semi_axis_min_px: self.min_axis.unwrap_or(usual.semi_axis_min_px),
-            semi_axis_max_px: self.max_axis.unwrap_or(usual.semi_axis_max_px),
-            axis_ratio_min: self.min_ratio.unwrap_or(usual.axis_ratio_min),
-            score_min: self.min_score.unwrap_or(usual.score_min),
             region: self.region.map(|region| region.0),
             strokes: match self.strokes {
                 Some(StrokesName::Edges) => Strokes::BothEdges,
@@ -197,22 +177,9 @@ impl DefaultTuning {
             support_points: self.points,
             covariance: self.covariance,
             seed,
+            ..usual
         };
-        Detector::builder().options(options).build().map_err(|error| {
-            let flag = flag(error.field);
-            Failure::from_error(&error).hint(format!("{} is set by {flag}", error.field))
-        })
-    }
-}
-
-/// The flag that sets a field of the default detector's options.
-fn flag(field: &str) -> &'static str {
-    match field {
-        "semi_axis_min_px" => "--min-axis",
-        "semi_axis_max_px" => "--max-axis",
-        "axis_ratio_min" => "--min-ratio",
-        "score_min" => "--min-score",
-        _ => "--region",
+        self.limits.detector(options)
     }
 }
 

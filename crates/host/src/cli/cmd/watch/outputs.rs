@@ -5,13 +5,16 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use rsapien_vision::{Ellipse, draw};
+use rsapien_vision::{Ellipse, Picture, TrackState, draw};
 use serde::Serialize;
 
-use super::looker::Look;
+use super::looker::{Followed, Look};
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::output::json_line;
 use crate::video::{Frame, FrameServer, encode_jpeg};
+
+/// Colour of what is followed and not seen in the frame.
+const PREDICTED_COLOR: draw::Color = [255, 160, 0];
 
 /// Where the film goes.
 enum Film {
@@ -68,7 +71,7 @@ impl Outputs {
             return Ok(());
         }
         let mut picture = frame.picture();
-        draw::annotate(&mut picture, look.drawn());
+        look.draw_on(&mut picture);
         let jpeg = encode_jpeg(&picture).map_err(|error| Failure::from_error(&error))?;
         match &mut self.film {
             Film::None => {}
@@ -90,14 +93,17 @@ impl Outputs {
 }
 
 impl Look {
-    /// What is drawn: the ellipses followed where any are to be, those seen otherwise.
-    fn drawn(&self) -> Vec<&Ellipse> {
-        match &self.tracks {
-            Some(tracks) if !tracks.is_empty() => {
-                tracks.iter().map(|track| &track.ellipse).collect()
-            }
-            _ => self.ellipses.iter().collect(),
+    /// Draws those followed, but for those seen only once so far; without tracks all that are seen.
+    fn draw_on(&self, picture: &mut Picture) {
+        let Some(tracks) = &self.tracks else {
+            return draw::annotate(picture, &self.ellipses);
+        };
+        let with_state = |state| tracks.iter().filter(move |track| track.state == state);
+        for track in with_state(TrackState::Predicted) {
+            draw::ellipse(picture, &track.ellipse, PREDICTED_COLOR);
+            draw::cross(picture, &track.ellipse, PREDICTED_COLOR);
         }
+        draw::annotate(picture, with_state(TrackState::Confirmed).map(|track| &track.ellipse));
     }
 }
 
@@ -128,10 +134,10 @@ struct TrackEntry {
 impl<'a> Line<'a> {
     pub(super) fn new(frame: &'a Frame, look: &'a Look, delay: Duration) -> Self {
         let tracks = look.tracks.as_ref().map(|tracks| {
-            let entry = |track: &super::looker::Followed| TrackEntry {
+            let entry = |track: &Followed| TrackEntry {
                 id: track.id,
                 ellipse: numbers(&track.ellipse),
-                state: track.state,
+                state: word(track.state),
             };
             tracks.iter().map(entry).collect()
         });
@@ -147,6 +153,15 @@ impl<'a> Line<'a> {
             scores: &look.scores,
             tracks,
         }
+    }
+}
+
+/// How a track stands.
+fn word(state: TrackState) -> &'static str {
+    match state {
+        TrackState::Tentative => "tentative",
+        TrackState::Confirmed => "confirmed",
+        TrackState::Predicted => "predicted",
     }
 }
 

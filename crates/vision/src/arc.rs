@@ -96,7 +96,7 @@ impl Arcs {
                 farthest.0 /= length2.sqrt();
             } else {
                 for (at, point) in points[first..=last].iter().enumerate() {
-                    let offset = (point.x - a.x).hypot(point.y - a.y);
+                    let offset = ((point.x - a.x).powi(2) + (point.y - a.y).powi(2)).sqrt();
                     if offset > farthest.0 {
                         farthest = (offset, first + at);
                     }

@@ -17,7 +17,7 @@ pub(crate) struct Evidence {
 /// Number of features of the score.
 pub(crate) const FEATURES: usize = 6;
 /// Weights of the features and, last, the constant: a logistic regression, made by the example `score-weights`.
-const WEIGHTS: [f64; FEATURES + 1] = [2.543, -5.756, -1.594, -11.584, 0.429, 1.647, -9.509];
+const WEIGHTS: [f64; FEATURES + 1] = [1.628, -5.351, -1.971, -8.976, 0.517, 1.127, -11.957];
 
 impl Evidence {
     pub(crate) fn new(edges: &EdgeMap, support: &Support) -> Self {
@@ -53,21 +53,26 @@ impl Evidence {
 
 /// Share of directions within the angle of the last look at a contour, 26 of 90 degrees.
 const DIRECTION_CHANCE: f64 = 0.29;
+/// Bounds of the chance that an edge lies on a step.
+const CHANCE_MIN: f64 = 0.01;
+const CHANCE_MAX: f64 = 0.1;
 /// Width of its band in pixels.
 const BAND_WIDTH_PX: f64 = 3.0;
 /// Distance at which edge points are independent of each other, in pixels: the smoothing is 5 px wide.
 const INDEPENDENT_PX: f64 = 2.0;
 
-/// Decimal logarithm of the expected number of false alarms: the number of ellipses that could be tested in a picture,
-/// its area to the power 5/2 for five parameters, times the chance that one of them has this support. An edge lies on a
-/// step of the contour by chance as often as the edge points' density in the picture says.
+/// Decimal logarithm of the expected number of false alarms: the number of ellipses of this size that could be tested in a
+/// picture, a centre in each pixel times the length of the contour to the third power for axes and angle, times the
+/// chance that one of them has this support. An edge lies on a step of the contour by chance as often as the edge points'
+/// density in the picture says, but in a picture crowded with small ellipses the density is their own.
 fn log10_false_alarms(edges: &EdgeMap, support: &Support) -> f64 {
     let area_px2 = (edges.map.width() * edges.map.height()) as f64;
     let density = edges.points.len() as f64 / area_px2;
-    let chance = (density * BAND_WIDTH_PX * DIRECTION_CHANCE).clamp(0.01, 0.5);
+    let chance = (density * BAND_WIDTH_PX * DIRECTION_CHANCE).clamp(CHANCE_MIN, CHANCE_MAX);
     let step_px = support.length / support.steps.max(1) as f64;
     let trials = support.steps as f64 * (step_px / INDEPENDENT_PX).min(1.0);
-    2.5 * area_px2.log10() + log10_tail(trials, support.share * trials, chance)
+    let tests = area_px2 * support.length.max(1.0).powi(3);
+    tests.log10() + log10_tail(trials, support.share * trials, chance)
 }
 
 /// Decimal logarithm of (a bound from above on) the probability of at least `hits` of `trials` at `chance` each

@@ -121,7 +121,7 @@ impl Shape {
         if points.len() < 6 {
             return None;
         }
-        let scale = (self.xx * self.yy - self.xy * self.xy).powf(-0.25);
+        let scale = (self.xx * self.yy - self.xy * self.xy).sqrt().sqrt().recip();
         if !scale.is_finite() {
             return None;
         }
@@ -159,7 +159,7 @@ impl Shape {
 
     /// One Gauss-Newton step towards the least sum of squared distances, unchecked: for rounds that look again afterwards.
     pub(crate) fn step(&self, points: &[Point]) -> Option<Self> {
-        let scale = (self.xx * self.yy - self.xy * self.xy).powf(-0.25);
+        let scale = (self.xx * self.yy - self.xy * self.xy).sqrt().sqrt().recip();
         if points.len() < 6 || !scale.is_finite() {
             return None;
         }

@@ -30,10 +30,9 @@ type Round = (f64, f64, usize);
 const ROUNDS: [Round; 3] =
     [(2.0, 0.8, COARSE_STEPS), (BAND_PX, 0.87, COARSE_STEPS), (BAND_PX, COS_MIN, STEPS_MAX)];
 /// From a prediction, which may be some pixels off.
-const FAR_ROUNDS: [Round; 5] = [
+const FAR_ROUNDS: [Round; 4] = [
     (7.0, 0.8, COARSE_STEPS),
-    (4.0, 0.8, COARSE_STEPS),
-    (2.0, 0.8, COARSE_STEPS),
+    (3.0, 0.8, COARSE_STEPS),
     (BAND_PX, 0.87, COARSE_STEPS),
     (BAND_PX, COS_MIN, STEPS_MAX),
 ];

@@ -115,6 +115,23 @@ pub struct Detection {
 }
 
 impl Detection {
+    /// Forgets the picture before, and keeps the buffers.
+    pub(crate) fn begin(&mut self) {
+        self.ellipses.clear();
+        self.support.clear();
+        self.truncated = false;
+        self.statistics = Statistics::default();
+        self.cost = StageCost::default();
+    }
+
+    /// Adds the counts of a part of the picture.
+    pub(crate) fn add(&mut self, part: &Self) {
+        self.truncated |= part.truncated;
+        self.statistics.edge_points += part.statistics.edge_points;
+        self.statistics.candidates += part.statistics.candidates;
+        self.statistics.accepted += part.statistics.accepted;
+    }
+
     /// The support points of one of the ellipses; empty for one of another detection.
     pub fn support_of(&self, detected: &DetectedEllipse) -> &[SupportPoint] {
         self.support.get(detected.support.clone()).unwrap_or_default()

@@ -5,7 +5,7 @@ use std::time::Instant;
 use crate::arc::Arcs;
 use crate::candidate::Candidates;
 use crate::chain::Chains;
-use crate::detection::{Detection, StageCost, Statistics};
+use crate::detection::{DetectedEllipse, Detection, StageCost, Statistics};
 use crate::edges::EdgeMap;
 use crate::ellipse::Ellipse;
 use crate::image::GrayView;
@@ -16,10 +16,11 @@ use crate::shape::Shape;
 use crate::stages::Stages;
 
 /// Pixels around the predictions that [`Detector::detect_near`] looks at.
-const MARGIN_PX: f64 = 16.0;
-/// How far from a prediction, across its contour, [`Detector::detect_near`] begins to look, in pixels: at it, and at
-/// either side, where the edges of a stroke are whose middle line it is.
-const OFFSETS_PX: [f64; 5] = [0.0, 2.5, -2.5, 5.0, -5.0];
+const MARGIN_PX: f64 = 10.0;
+/// How far from a prediction of which nothing is known the edges of a stroke are looked for, in pixels.
+const UNKNOWN_STROKE_PX: f64 = 2.5;
+/// Overlap from which what two predictions found is the same.
+const SAME_OVERLAP: f64 = 0.9;
 /// Least overlap of what is found with the prediction that it is found for.
 const PREDICTION_OVERLAP_MIN: f64 = 0.3;
 
@@ -35,8 +36,10 @@ pub struct Detector {
     candidates: Candidates,
     selection: Selection,
     detection: Detection,
-    /// Ellipses put in order.
-    ordered: Vec<crate::detection::DetectedEllipse>,
+    /// What is found near predictions, one after the other.
+    near: Detection,
+    /// Ellipses of the picture before, and the widths of their strokes in pixels.
+    previous: Vec<(Ellipse, Option<f64>)>,
     origin: (usize, usize),
 }
 
@@ -86,28 +89,33 @@ impl Detector {
 
     /// Looks only for ellipses near `predictions`, such as those of the picture before: much quicker than
     /// [`detect`](Self::detect), and blind to anything else. A prediction may be off by some 7 px across its contour. The
-    /// ellipses found are in the order of the predictions, and fewer where one is not there.
+    /// ellipses found are in the order of the predictions, and fewer where one is not there. A picture's noise is taken
+    /// from the last one that was looked at as a whole.
     pub fn detect_near(&mut self, picture: &GrayView<'_>, predictions: &[Ellipse]) -> &Detection {
-        let region = whole(picture, self.options.region);
-        let region = around(predictions, region).unwrap_or(Region { width: 0, ..region });
-        self.begin(region);
-        if let Some(part) = picture.part(region) {
+        let limits = whole(picture, self.options.region);
+        self.previous.clear();
+        let before = self.detection.ellipses.iter();
+        self.previous.extend(before.map(|found| (found.ellipse, found.stroke_width_px)));
+        self.begin(limits);
+        let mut result = std::mem::take(&mut self.near);
+        result.begin();
+        for prediction in predictions {
+            let Some(region) = around(prediction, limits) else { continue };
+            let Some(part) = picture.part(region) else { continue };
+            self.origin = (region.left, region.top);
             let start = Instant::now();
-            self.edges.find(&part);
+            self.edges.find_again(&part, picture);
             let edges_at = Instant::now();
-            for prediction in predictions {
-                self.look_near(prediction);
-            }
+            self.candidates.clear();
+            self.look_near(prediction);
             let search_at = Instant::now();
             self.end();
-            self.order_by(predictions);
-            self.detection.cost = StageCost {
-                edges: edges_at - start,
-                search: search_at - edges_at,
-                selection: search_at.elapsed(),
-                ..StageCost::default()
-            };
+            self.take_best(prediction, &mut result);
+            result.cost.edges += edges_at - start;
+            result.cost.search += search_at - edges_at;
+            result.cost.selection += search_at.elapsed();
         }
+        self.near = std::mem::replace(&mut self.detection, result);
         &self.detection
     }
 
@@ -130,17 +138,22 @@ impl Detector {
         self.arcs.all.clear();
         self.search.clear();
         self.candidates.clear();
-        let Detection { ellipses, support, .. } = &mut self.detection;
-        ellipses.clear();
-        support.clear();
-        self.detection.truncated = false;
-        self.detection.statistics = Statistics::default();
-        self.detection.cost = StageCost::default();
+        self.detection.begin();
     }
 
-    /// Candidates for one prediction.
+    /// Candidates for one prediction: from its contour, or from both edges of the stroke that it was in the picture before.
     fn look_near(&mut self, prediction: &Ellipse) {
-        for offset_px in OFFSETS_PX {
+        let before = self
+            .previous
+            .iter()
+            .find(|(ellipse, _)| ellipse.overlap_star(prediction) > PREDICTION_OVERLAP_MIN);
+        let edge = before.and_then(|(_, width_px)| *width_px).unwrap_or(0.0) / 2.0;
+        let offsets_px = match before {
+            Some((_, None)) => [Some(0.0), None, None],
+            Some((_, Some(_))) => [Some(edge), Some(-edge), None],
+            None => [Some(0.0), Some(UNKNOWN_STROKE_PX), Some(-UNKNOWN_STROKE_PX)],
+        };
+        for offset_px in offsets_px.into_iter().flatten() {
             let ellipse = Ellipse {
                 center_x_px: prediction.center_x_px - self.origin.0 as f64,
                 center_y_px: prediction.center_y_px - self.origin.1 as f64,
@@ -183,21 +196,26 @@ impl Detector {
         };
     }
 
-    /// Of what was found, the best for each prediction, in their order.
-    fn order_by(&mut self, predictions: &[Ellipse]) {
-        self.ordered.clear();
-        for prediction in predictions {
-            let overlaps = self.detection.ellipses.iter().enumerate();
-            let best = overlaps
-                .map(|(at, found)| (found.ellipse.overlap_star(prediction), at))
-                .max_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((overlap, at)) = best
-                && overlap >= PREDICTION_OVERLAP_MIN
-            {
-                self.ordered.push(self.detection.ellipses.swap_remove(at));
+    /// Adds what was found for a prediction to `result`, if it is that.
+    fn take_best(&mut self, prediction: &Ellipse, result: &mut Detection) {
+        let overlaps = self.detection.ellipses.iter().enumerate();
+        let best = overlaps
+            .map(|(at, found)| (found.ellipse.overlap_star(prediction), at))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((overlap, at)) = best
+            && overlap >= PREDICTION_OVERLAP_MIN
+        {
+            let mut found = self.detection.ellipses.swap_remove(at);
+            let is_double =
+                |other: &DetectedEllipse| other.ellipse.overlap_star(&found.ellipse) > SAME_OVERLAP;
+            if !result.ellipses.iter().any(is_double) {
+                let start = result.support.len();
+                result.support.extend_from_slice(&self.detection.support[found.support]);
+                found.support = start..result.support.len();
+                result.ellipses.push(found);
             }
         }
-        std::mem::swap(&mut self.detection.ellipses, &mut self.ordered);
+        result.add(&self.detection);
     }
 }
 
@@ -214,24 +232,16 @@ fn whole(picture: &GrayView<'_>, region: Option<Region>) -> Region {
     }
 }
 
-/// The smallest part of `region` that holds the predictions and a margin; `None` where there is nothing to look at.
-fn around(predictions: &[Ellipse], region: Region) -> Option<Region> {
-    let (mut left, mut top) = (f64::INFINITY, f64::INFINITY);
-    let (mut right, mut bottom) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-    for prediction in predictions {
-        let (half_width, half_height) = prediction.half_extent_px();
-        left = left.min(prediction.center_x_px - half_width - MARGIN_PX);
-        right = right.max(prediction.center_x_px + half_width + MARGIN_PX);
-        top = top.min(prediction.center_y_px - half_height - MARGIN_PX);
-        bottom = bottom.max(prediction.center_y_px + half_height + MARGIN_PX);
-    }
+/// The smallest part of `limits` that holds a prediction and a margin; `None` where there is nothing to look at.
+fn around(prediction: &Ellipse, limits: Region) -> Option<Region> {
+    let (half_width, half_height) = prediction.half_extent_px();
     // Casts clip at 0 and turn what is not a number into 0.
-    let clip = |from: f64, to: f64, first: usize, length: usize| {
-        let start = (from.floor() as usize).clamp(first, first + length);
-        let end = (to.ceil() as usize).clamp(start, first + length);
+    let clip = |center: f64, half: f64, first: usize, length: usize| {
+        let start = ((center - half - MARGIN_PX).floor() as usize).clamp(first, first + length);
+        let end = ((center + half + MARGIN_PX).ceil() as usize).clamp(start, first + length);
         (start, end - start)
     };
-    let (left, width) = clip(left, right, region.left, region.width);
-    let (top, height) = clip(top, bottom, region.top, region.height);
+    let (left, width) = clip(prediction.center_x_px, half_width, limits.left, limits.width);
+    let (top, height) = clip(prediction.center_y_px, half_height, limits.top, limits.height);
     (width > 0 && height > 0).then_some(Region { left, top, width, height })
 }

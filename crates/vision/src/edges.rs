@@ -45,16 +45,28 @@ pub(crate) struct EdgeMap {
     pub(crate) points: Vec<EdgePoint>,
     pub(crate) map: PointMap,
     rows: Rows,
+    /// Threshold of the last whole picture.
+    threshold: Option<f32>,
 }
 
 impl EdgeMap {
     /// Finds the edge points of `picture`, in place of those of the picture before.
     pub(crate) fn find(&mut self, picture: &GrayView<'_>) {
+        let threshold = threshold(picture);
+        self.threshold = Some(threshold);
+        self.find_above(picture, threshold);
+    }
+
+    /// Finds the edge points of a part of `whole`, with the threshold of the last picture that was looked at as a whole.
+    pub(crate) fn find_again(&mut self, part: &GrayView<'_>, whole: &GrayView<'_>) {
+        let threshold = *self.threshold.get_or_insert_with(|| threshold(whole));
+        self.find_above(part, threshold);
+    }
+
+    fn find_above(&mut self, picture: &GrayView<'_>, threshold: f32) {
         let (width, height) = (picture.width(), picture.height());
         self.points.clear();
         self.map.reset(width, height);
-        let threshold = (CONTRAST_MIN_GREY * MAGNITUDE_PER_GREY)
-            .max(NOISE_FACTOR * MAGNITUDE_PER_NOISE * noise::estimate(picture));
         // Smoothing and differences need neighbours; a smaller picture has no edge point.
         if width >= 3 && height >= 3 {
             self.rows.reset(width);
@@ -96,6 +108,12 @@ impl EdgeMap {
             }
         }
     }
+}
+
+/// Least magnitude of an edge point in `picture`.
+fn threshold(picture: &GrayView<'_>) -> f32 {
+    (CONTRAST_MIN_GREY * MAGNITUDE_PER_GREY)
+        .max(NOISE_FACTOR * MAGNITUDE_PER_NOISE * noise::estimate(picture))
 }
 
 /// The streaming, to be compiled for an instruction set.

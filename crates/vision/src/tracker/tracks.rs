@@ -84,7 +84,8 @@ impl Tracks {
         }
         self.pass_time(time_s);
         self.predict();
-        let is_fresh_due = self.all.is_empty()
+        let is_confirmed = |track: &Track| track.state != TrackState::Tentative;
+        let is_fresh_due = !self.all.iter().any(is_confirmed)
             || self.since_fresh + 1 >= self.options.fresh_every
             || self.is_unsettled
             || self.interval_s > GAP_MAX_S;

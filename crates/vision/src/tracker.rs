@@ -3,7 +3,7 @@
 //! Every picture goes three steps. Where each ellipse should be is predicted (constant velocity, a Kalman filter for each
 //! parameter); the detector [looks near there](Detector::detect_near); what it finds is given to the tracks by overlap and
 //! smooths them. A *fresh* look at the whole picture is taken of the first picture, of every
-//! [`fresh_every`](TrackerOptions::fresh_every)-th, while there is no track, and at once where more than half of the
+//! [`fresh_every`](TrackerOptions::fresh_every)-th, while no track is confirmed, and at once where more than half of the
 //! confirmed tracks get lost together, as when the camera is moved. Then tracks that moved by the same shift keep their
 //! identity.
 //!

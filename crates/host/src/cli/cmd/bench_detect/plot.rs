@@ -83,7 +83,7 @@ pub(super) fn draw(costs: &[Cost]) -> String {
 
 /// Pixels of the picture.
 fn pixels(cost: &Cost) -> f64 {
-    // At most 2^26.
+    // At most 2^28.
     #[expect(clippy::cast_precision_loss)]
     let pixels = (cost.width * cost.height) as f64;
     pixels

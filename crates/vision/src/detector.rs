@@ -17,8 +17,9 @@ use crate::stages::Stages;
 
 /// Pixels around the predictions that [`Detector::detect_near`] looks at.
 const MARGIN_PX: f64 = 10.0;
-/// How far from a prediction of which nothing is known the edges of a stroke are looked for, in pixels.
-const UNKNOWN_STROKE_PX: f64 = 2.5;
+/// How far from a prediction, across its contour, the search begins when nothing is known of it, in pixels: at it, and where
+/// the edges of a stroke are whose middle line it may be.
+const UNKNOWN_OFFSETS_PX: [f64; 5] = [0.0, 2.5, -2.5, 5.0, -5.0];
 /// Overlap from which what two predictions found is the same.
 const SAME_OVERLAP: f64 = 0.9;
 /// Least overlap of what is found with the prediction that it is found for.
@@ -147,13 +148,16 @@ impl Detector {
             .previous
             .iter()
             .find(|(ellipse, _)| ellipse.overlap_star(prediction) > PREDICTION_OVERLAP_MIN);
-        let edge = before.and_then(|(_, width_px)| *width_px).unwrap_or(0.0) / 2.0;
+        let edges_px;
         let offsets_px = match before {
-            Some((_, None)) => [Some(0.0), None, None],
-            Some((_, Some(_))) => [Some(edge), Some(-edge), None],
-            None => [Some(0.0), Some(UNKNOWN_STROKE_PX), Some(-UNKNOWN_STROKE_PX)],
+            Some((_, None)) => &UNKNOWN_OFFSETS_PX[..1],
+            Some((_, Some(width_px))) => {
+                edges_px = [width_px / 2.0, -width_px / 2.0];
+                &edges_px[..]
+            }
+            None => &UNKNOWN_OFFSETS_PX[..],
         };
-        for offset_px in offsets_px.into_iter().flatten() {
+        for offset_px in offsets_px {
             let ellipse = Ellipse {
                 center_x_px: prediction.center_x_px - self.origin.0 as f64,
                 center_y_px: prediction.center_y_px - self.origin.1 as f64,

@@ -112,11 +112,7 @@ impl Accumulator {
             copy[..4 << self.quadrant_bits].fill(0);
         }
         self.vote_runs(grid, halves.first(), axis);
-        let first_side = usize::from(halves.first_is_back());
-        if (0..self.bins).all(|bin| {
-            let votes = self.votes(bin);
-            votes[first_side] + votes[first_side + 2] < side_votes_min
-        }) {
+        if self.fullest_side(usize::from(halves.first_is_back())) < side_votes_min {
             return None;
         }
         self.vote_runs(grid, halves.rest(), axis);
@@ -170,6 +166,18 @@ impl Accumulator {
         [0, 1, 2, 3].map(|quadrant| {
             self.counts.iter().map(|copy| copy[(quadrant << self.quadrant_bits) + bin + 1]).sum()
         })
+    }
+
+    /// The bins of a quadrant, as one of the copies counted them.
+    fn bins_of(&self, copy: usize, quadrant: usize) -> &[u32] {
+        &self.counts[copy][(quadrant << self.quadrant_bits) + 1..][..self.bins]
+    }
+
+    /// Most votes that a bin has on one side of the minor axis: in quadrants `side` and `side + 2`.
+    fn fullest_side(&self, side: usize) -> u32 {
+        let [a, b, c, d] = [(0, side), (1, side), (0, side + 2), (1, side + 2)]
+            .map(|(copy, quadrant)| self.bins_of(copy, quadrant));
+        a.iter().zip(b).zip(c).zip(d).map(|(((a, b), c), d)| a + b + c + d).max().unwrap_or(0)
     }
 
     fn peak(&self) -> Peak {
@@ -263,21 +271,17 @@ fn find_slots(xs: &[f32], ys: &[f32], scale: Scale, slots: &mut [u32]) {
     }
 }
 
-/// Counts one vote for each of `slots`.
+/// Counts one vote for each of `slots`. The copies take turns.
 #[inline(always)]
 fn count(slots: &[u32], counts: &mut [[u32; SLOTS]]) {
-    let mut groups = slots.chunks_exact(LANES);
-    for group in &mut groups {
-        for pair in group.chunks_exact(COPIES) {
-            for (copy, &slot) in counts.iter_mut().zip(pair) {
-                copy[slot as usize % SLOTS] += 1;
-            }
-        }
+    let [first, second] = counts else { return };
+    let (pairs, last) = slots.as_chunks::<COPIES>();
+    for [one, other] in pairs {
+        first[*one as usize % SLOTS] += 1;
+        second[*other as usize % SLOTS] += 1;
     }
-    if let Some(first) = counts.first_mut() {
-        for &slot in groups.remainder() {
-            first[slot as usize % SLOTS] += 1;
-        }
+    for &slot in last {
+        first[slot as usize % SLOTS] += 1;
     }
 }
 

@@ -47,7 +47,7 @@ pub(crate) struct Arc {
 /// Buffers of the cutting.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Arcs {
-    pub(crate) arcs: Vec<Arc>,
+    pub(crate) all: Vec<Arc>,
     vertices: Vec<usize>,
     stack: Vec<(usize, usize)>,
     turns: Vec<f32>,
@@ -57,9 +57,9 @@ pub(crate) struct Arcs {
 impl Arcs {
     /// Cuts every chain, in place of the arcs of the picture before.
     pub(crate) fn cut(&mut self, chains: &mut Chains) {
-        self.arcs.clear();
-        for at in 0..chains.chains.len() {
-            let chain = chains.chains[at].clone();
+        self.all.clear();
+        for at in 0..chains.all.len() {
+            let chain = chains.all[at].clone();
             let range = chain.range.clone();
             // A short chain may be a small ellipse, of which a coarse polygon leaves a triangle.
             let small = TOLERANCE_PX.min(0.25 + range.len() as f32 / 120.0);
@@ -194,7 +194,7 @@ impl Arcs {
             let mut to = vertices.len() - 1;
             let mut found = None;
             while to > from + 1 {
-                let turn: f32 = self.turn_between(points, &vertices[from..=to]);
+                let turn: f32 = turn_between(points, &vertices[from..=to]);
                 if turn.abs() < TURN_FITTED_RAD {
                     found = Some((turn, None));
                     break;
@@ -212,16 +212,6 @@ impl Arcs {
             }
             from = to.max(from + 1);
         }
-    }
-
-    fn turn_between(&self, points: &[EdgePoint], vertices: &[usize]) -> f32 {
-        vertices
-            .windows(3)
-            .map(|window| {
-                let (sin, cos) = turn(points[window[0]], points[window[1]], points[window[2]]);
-                sin.atan2(cos)
-            })
-            .sum()
     }
 
     /// The ellipse through a run of points, if there is one that stays near to all of them.
@@ -263,7 +253,7 @@ impl Arcs {
             (-dy * scale, dx * scale)
         };
         let normals: [(f32, f32); SAMPLES] = std::array::from_fn(normal);
-        self.arcs.push(Arc {
+        self.all.push(Arc {
             x,
             y,
             inside_x: normals.map(|normal| normal.0),
@@ -282,6 +272,17 @@ fn turn(a: EdgePoint, b: EdgePoint, c: EdgePoint) -> (f32, f32) {
     let (vx, vy) = (c.x - b.x, c.y - b.y);
     let norm = ((ux * ux + uy * uy) * (vx * vx + vy * vy)).sqrt().max(1e-9);
     ((ux * vy - uy * vx) / norm, (ux * vx + uy * vy) / norm)
+}
+
+/// Sum of the turns along a run of vertices, radians.
+fn turn_between(points: &[EdgePoint], vertices: &[usize]) -> f32 {
+    vertices
+        .windows(3)
+        .map(|window| {
+            let (sin, cos) = turn(points[window[0]], points[window[1]], points[window[2]]);
+            sin.atan2(cos)
+        })
+        .sum()
 }
 
 /// The sense in which a closed run of points turns: the sign of its area.

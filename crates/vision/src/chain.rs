@@ -12,6 +12,10 @@ use crate::edges::{EdgeMap, EdgePoint};
 const NONE: u32 = u32::MAX;
 /// Least cosine between the gradients of neighbours.
 const AGREEMENT_MIN: f32 = 0.5;
+/// The same across a gap of a pixel.
+const GAP_AGREEMENT_MIN: f32 = 0.8;
+/// Sine from which a direction goes down so steeply that no successor lies in a row above.
+const STEEP: f32 = 0.85;
 /// Chains with fewer points are left out.
 const POINTS_MIN: usize = 8;
 
@@ -28,7 +32,7 @@ pub(crate) struct Chain {
 pub(crate) struct Chains {
     /// Points chain by chain, in the order of travel, the gradient on the same hand.
     pub(crate) points: Vec<EdgePoint>,
-    pub(crate) chains: Vec<Chain>,
+    pub(crate) all: Vec<Chain>,
     next: Vec<u32>,
     previous: Vec<u32>,
 }
@@ -37,7 +41,7 @@ impl Chains {
     /// Forgets the picture before.
     pub(crate) fn clear(&mut self) {
         self.points.clear();
-        self.chains.clear();
+        self.all.clear();
     }
 
     /// Links the points of `edges`, in place of those of the picture before.
@@ -71,38 +75,32 @@ impl Chains {
     fn link_point(&mut self, edges: &EdgeMap, number: u32, x: i32, y: i32) {
         let points = &edges.points[..];
         let here = points[number as usize];
+        // Downward part of the direction of travel: rows behind need no look.
+        let down = here.gradient_x;
         let mut best = (f32::INFINITY, NONE);
         let mut look = |other: u32| {
             let there = points[other as usize];
-            let (dx, dy) = (there.x - here.x, there.y - here.y);
-            let ahead = dy * here.gradient_x - dx * here.gradient_y;
-            let agreement = here.gradient_x * there.gradient_x + here.gradient_y * there.gradient_y;
-            let distance2 = dx * dx + dy * dy;
-            if ahead > 0.0 && agreement > AGREEMENT_MIN && distance2 < best.0 {
-                best = (distance2, other);
+            let step = Step::between(&here, &there);
+            if step.ahead > 0.0 && step.agreement > AGREEMENT_MIN && step.distance2 < best.0 {
+                best = (step.distance2, other);
             }
         };
-        for row in y - 1..=y + 1 {
+        let rows = (y - i32::from(down < STEEP))..=(y + i32::from(down > -STEEP));
+        for row in rows {
             edges.map.visit_run(x, row, 1, &mut look);
         }
         if best.1 == NONE {
             let mut look = |other: u32| {
                 let there = points[other as usize];
-                let (dx, dy) = (there.x - here.x, there.y - here.y);
-                let ahead = dy * here.gradient_x - dx * here.gradient_y;
-                let agreement =
-                    here.gradient_x * there.gradient_x + here.gradient_y * there.gradient_y;
-                let distance2 = dx * dx + dy * dy;
-                // Across a gap a point has to lie well ahead.
-                if ahead * ahead > 0.5 * distance2
-                    && ahead > 0.0
-                    && agreement > 0.8
-                    && distance2 < best.0
-                {
-                    best = (distance2, other);
+                let step = Step::between(&here, &there);
+                // Across a gap a point has to lie well ahead, within 45 degrees.
+                let is_ahead = step.ahead > 0.0 && step.ahead * step.ahead > 0.5 * step.distance2;
+                if is_ahead && step.agreement > GAP_AGREEMENT_MIN && step.distance2 < best.0 {
+                    best = (step.distance2, other);
                 }
             };
-            for row in y - 2..=y + 2 {
+            let rows = (y - 2 * i32::from(down < STEEP))..=(y + 2 * i32::from(down > -STEEP));
+            for row in rows {
                 edges.map.visit_run(x, row, 2, &mut look);
             }
         }
@@ -154,7 +152,28 @@ impl Chains {
         if self.points.len() - first < POINTS_MIN {
             self.points.truncate(first);
         } else {
-            self.chains.push(Chain { range: first..self.points.len(), is_ring });
+            self.all.push(Chain { range: first..self.points.len(), is_ring });
+        }
+    }
+}
+
+/// From a point to one that may follow.
+struct Step {
+    /// How far ahead it lies, in pixels.
+    ahead: f32,
+    /// Cosine between the gradients.
+    agreement: f32,
+    distance2: f32,
+}
+
+impl Step {
+    #[inline(always)]
+    fn between(here: &EdgePoint, there: &EdgePoint) -> Self {
+        let (dx, dy) = (there.x - here.x, there.y - here.y);
+        Self {
+            ahead: dy * here.gradient_x - dx * here.gradient_y,
+            agreement: here.gradient_x * there.gradient_x + here.gradient_y * there.gradient_y,
+            distance2: dx * dx + dy * dy,
         }
     }
 }

@@ -71,7 +71,7 @@ impl Detector {
             self.chains.link(&self.edges);
             self.arcs.cut(&mut self.chains);
             let arcs_at = Instant::now();
-            self.search.run(&self.edges, &self.arcs.arcs, &self.options, &mut self.candidates);
+            self.search.run(&self.edges, &self.arcs.all, &self.options, &mut self.candidates);
             let search_at = Instant::now();
             self.end();
             self.detection.cost = StageCost {
@@ -117,7 +117,7 @@ impl Detector {
         Stages {
             edges: &self.edges,
             chains: &self.chains,
-            arcs: &self.arcs.arcs,
+            arcs: &self.arcs.all,
             candidates: &self.candidates.all,
             origin: self.origin,
         }
@@ -127,7 +127,7 @@ impl Detector {
     fn begin(&mut self, region: Region) {
         self.origin = (region.left, region.top);
         self.chains.clear();
-        self.arcs.arcs.clear();
+        self.arcs.all.clear();
         self.search.clear();
         self.candidates.clear();
         let Detection { ellipses, support, .. } = &mut self.detection;
@@ -175,8 +175,8 @@ impl Detector {
         detection.truncated = self.search.truncated || candidates.truncated;
         detection.statistics = Statistics {
             edge_points: edges.points.len(),
-            chains: self.chains.chains.len(),
-            arcs: self.arcs.arcs.len(),
+            chains: self.chains.all.len(),
+            arcs: self.arcs.all.len(),
             pairs: self.search.pairs,
             candidates: candidates.tried,
             accepted: candidates.all.len(),

@@ -1,7 +1,14 @@
 #![doc = include_str!("../README.md")]
 // Coordinates, counts and grey values change their type often and deliberately; where a cast can lose something, the
 // line beside it says why it does not.
-#![allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap
+)]
+// Formulas keep the letters of their sources.
+#![allow(clippy::many_single_char_names)]
 // The hot loops must be inlined into the function that is compiled for several instruction sets.
 #![allow(clippy::inline_always)]
 

@@ -202,7 +202,7 @@ fn stroke_width_px(edges: [&Candidate; 2], ellipses: [&Ellipse; 2]) -> Option<f6
     }
     let along = outer.semi_major_px - inner.semi_major_px;
     let across = outer.semi_minor_px - inner.semi_minor_px;
-    let width = (along + across) / 2.0;
+    let width = f64::midpoint(along, across);
     let (dx, dy) = (outer.center_x_px - inner.center_x_px, outer.center_y_px - inner.center_y_px);
     let turned = (outer.semi_major_px - outer.semi_minor_px)
         * axis_difference_rad(outer.theta_rad, inner.theta_rad).abs();
@@ -219,7 +219,7 @@ fn stroke_width_px(edges: [&Candidate; 2], ellipses: [&Ellipse; 2]) -> Option<f6
 
 /// The ellipse half way between two that are nearly parallel.
 fn middle(one: &Ellipse, other: &Ellipse) -> Ellipse {
-    let mean = |a: f64, b: f64| (a + b) / 2.0;
+    let mean = f64::midpoint;
     let turn = axis_difference_rad(one.theta_rad, other.theta_rad);
     Ellipse {
         center_x_px: mean(one.center_x_px, other.center_x_px),

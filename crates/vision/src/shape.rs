@@ -26,7 +26,7 @@ const SETTLED: f64 = 1e-5;
 impl Shape {
     /// The ellipse, in canonical form.
     pub(crate) fn ellipse(&self) -> Ellipse {
-        let mean = (self.xx + self.yy) / 2.0;
+        let mean = f64::midpoint(self.xx, self.yy);
         let half_difference = (self.xx - self.yy) / 2.0;
         let root = half_difference.hypot(self.xy);
         // The smaller eigenvalue belongs to the major axis. From the determinant, so that a flat ellipse loses no digits.

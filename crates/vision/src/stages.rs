@@ -39,7 +39,7 @@ impl<'a> Stages<'a> {
     pub fn chains(
         self,
     ) -> impl Iterator<Item = (impl Iterator<Item = SupportPoint> + 'a, bool)> + 'a {
-        self.chains.chains.iter().map(move |chain| {
+        self.chains.all.iter().map(move |chain| {
             let points = &self.chains.points[chain.range.clone()];
             (points.iter().map(move |point| self.moved(point)), chain.is_ring)
         })

@@ -64,7 +64,7 @@ impl Pair {
     #[inline(always)]
     fn cast(&self, arc: &Arc, own: usize, counts: &mut [u8; BINS + WINDOW]) {
         let mut bins = [0_u8; SAMPLES];
-        for at in 0..SAMPLES {
+        for (at, bin) in bins.iter_mut().enumerate() {
             let (dx, dy) = (arc.x[at] - self.p.0, arc.y[at] - self.p.1);
             let l1 = dx * self.p_normal.0 + dy * self.p_normal.1;
             let l2 =
@@ -74,7 +74,7 @@ impl Pair {
             let place = log2(k) * BINS_PER_OCTAVE + BINS as f32 / 2.0;
             // Not a number where k is negative or 0 / 0.
             let is_inside = k > 0.0 && place >= 1.0 && place < BINS as f32;
-            bins[at] = if is_inside { place as u8 } else { 0 };
+            *bin = if is_inside { place as u8 } else { 0 };
         }
         for (at, &bin) in bins.iter().enumerate() {
             if at.abs_diff(own) > BLIND {

@@ -163,6 +163,7 @@ fn differences(
 
 /// 1 where a magnitude is above `threshold` and a maximum along the main axis of its gradient, else 0.
 #[inline(always)]
+#[expect(clippy::needless_bitwise_bool, reason = "without branches the loop becomes vector code")]
 fn maxima(
     [left, here, right, above, below]: [&[f32]; 5],
     [along, down]: [&[f32]; 2],

@@ -55,6 +55,8 @@ pub(super) fn detected(ellipse: Ellipse) -> DetectedEllipse {
         ellipse,
         score: 0.9,
         support_share: 1.0,
+        inside_share: 1.0,
+        gap_share: 0.0,
         gradient_agreement: 0.9,
         log10_false_alarms: -20.0,
         residual_px: 0.3,

@@ -199,7 +199,7 @@ mod tests {
 
     /// A disc among grains, less and less of it.
     fn picture(seed: u32) -> GrayImage {
-        let (width, height) = (200, 160);
+        let (width, height) = (200_u32, 160_u32);
         let mut state = seed;
         let pixels = (0..width * height).map(|at| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

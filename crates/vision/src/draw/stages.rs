@@ -9,12 +9,13 @@ use crate::io::Picture;
 use crate::stages::{ArcStage, Stages};
 
 /// Colours of candidates with the scores 0 and 1.
-const CANDIDATE_COLORS: [Color; 2] = [[24, 40, 96], [112, 176, 255]];
+const CANDIDATE_COLORS: [Color; 2] = [[32, 56, 144], [128, 192, 255]];
 /// Half the width of an arc in pixels, and of a candidate.
 const ARC_HALF_WIDTH_PX: f32 = 1.25;
-const CANDIDATE_HALF_WIDTH_PX: f32 = 0.5;
-/// Radius of a sample on an arc in pixels.
-const SAMPLE_RADIUS_PX: f32 = 2.25;
+const CANDIDATE_HALF_WIDTH_PX: f32 = 0.75;
+/// Radius of a sample on an arc in pixels, and the least distance of two: nearer ones would hide the arc.
+const SAMPLE_RADIUS_PX: f32 = 1.75;
+const SAMPLE_SPACING_PX: f32 = 5.0;
 /// Straight pieces between two samples of an arc.
 const PIECES: usize = 8;
 /// Length of the straight pieces of a candidate's contour in pixels.
@@ -53,12 +54,16 @@ pub fn chains(picture: &mut Picture, stages: Stages<'_>) {
     }
 }
 
-/// Draws every arc as a thick line in a colour of its own, with its twelve samples as white dots.
+/// Draws every arc as a thick line in a colour of its own, with its twelve samples as white dots where the arc is long
+/// enough to show them.
 pub fn arcs(picture: &mut Picture, stages: Stages<'_>) {
     for (number, arc) in stages.arcs().enumerate() {
         curve(picture, &arc, color_of(number));
-        for point in arc.points {
-            line(picture, point, point, SAMPLE_RADIUS_PX, [255; 3]);
+        let [(x, y), (next_x, next_y), ..] = arc.points;
+        if (next_x - x).hypot(next_y - y) >= SAMPLE_SPACING_PX {
+            for point in arc.points {
+                line(picture, point, point, SAMPLE_RADIUS_PX, [255; 3]);
+            }
         }
     }
 }

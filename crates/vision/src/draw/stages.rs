@@ -179,8 +179,8 @@ mod tests {
         let gray = rings(160, 120, &[truth], 4.0);
         let mut detector = Detector::default();
         detector.detect(&gray.view());
-        let draws: [fn(&mut Picture, Stages<'_>); 4] = [edge_points, chains, arcs, candidates];
-        for (stage, draw) in draws.iter().enumerate() {
+        let all: [fn(&mut Picture, Stages<'_>); 4] = [edge_points, chains, arcs, candidates];
+        for (stage, draw) in all.iter().enumerate() {
             let mut picture = Picture::new(vec![0; 160 * 120 * 3], 160, 120).unwrap();
             draw(&mut picture, detector.stages());
             let mut drawn = 0;

@@ -7,7 +7,8 @@
 //! overlaps an ellipse of `ignore` by 0.7, and no true one, is left out; the others are false. A logistic regression on
 //! the standardised features, with the squares of its weights as penalty (C = 1), tells the true from the false; every
 //! set weighs the same in total. The example prints the weights, and for each set how many true and how many false
-//! detections would score above some thresholds: `true+false`.
+//! detections would score above some thresholds: `true+false`; then the same with weights fitted to the other sets alone,
+//! which is what to expect of pictures of a new kind.
 
 // Counts of detections are exact in f64.
 #![allow(clippy::cast_precision_loss)]
@@ -60,28 +61,42 @@ fn main() -> Result<(), Box<dyn Error>> {
             samples.extend(found.iter().filter_map(|found| sample(found, &truth)));
         }
     }
-    let weights = regression(&sets)?;
+    let weights = regression(&sets.values().map(Vec::as_slice).collect::<Vec<_>>())?;
     let listed: Vec<_> = weights.iter().map(|weight| format!("{weight:.3}")).collect();
     println!("const WEIGHTS: [f64; FEATURES + 1] = [{}];\n", listed.join(", "));
-    print!("{:20} {:>6} {:>6}", "set", "true", "false");
-    println!(
-        "{}",
-        THRESHOLDS.map(|threshold| format!("{:>11}", format!("> {threshold}"))).concat()
-    );
+    print_head("set");
     for (name, samples) in &sets {
-        let count = |is_true: bool, threshold: f64| {
-            let counts = |sample: &&Sample| {
-                sample.is_true == is_true && score(&terms(sample), &weights) > threshold
-            };
-            samples.iter().filter(counts).count()
-        };
-        print!("{name:20} {:6} {:6}", count(true, 0.0), count(false, 0.0));
-        for threshold in THRESHOLDS {
-            print!(" {:>10}", format!("{}+{}", count(true, threshold), count(false, threshold)));
+        print_row(name, samples, &weights);
+    }
+    if sets.len() > 1 {
+        print_head("\nset, by the others");
+        for (name, samples) in &sets {
+            let others: Vec<_> =
+                sets.iter().filter(|(other, _)| *other != name).map(|(_, set)| &set[..]).collect();
+            print_row(name, samples, &regression(&others)?);
         }
-        println!();
     }
     Ok(())
+}
+
+fn print_head(title: &str) {
+    let thresholds = THRESHOLDS.map(|threshold| format!("{:>11}", format!("> {threshold}")));
+    println!("{title:20} {:>6} {:>6}{}", "true", "false", thresholds.concat());
+}
+
+/// How many of a set are true and false, and how many of them these weights would keep.
+fn print_row(name: &str, samples: &[Sample], weights: &Terms) {
+    let count = |is_true: bool, threshold: f64| {
+        let counts = |sample: &&Sample| {
+            sample.is_true == is_true && score(&terms(sample), weights) > threshold
+        };
+        samples.iter().filter(counts).count()
+    };
+    print!("{name:20} {:6} {:6}", count(true, 0.0), count(false, 0.0));
+    for threshold in THRESHOLDS {
+        print!(" {:>10}", format!("{}+{}", count(true, threshold), count(false, threshold)));
+    }
+    println!();
 }
 
 /// What a detection teaches; `None` when it may be found or not.
@@ -117,8 +132,8 @@ fn score(terms: &Terms, weights: &Terms) -> f64 {
 }
 
 /// The weights of the features and the constant.
-fn regression(sets: &BTreeMap<String, Vec<Sample>>) -> Result<Terms, Box<dyn Error>> {
-    let sets: Vec<_> = sets.values().filter(|samples| !samples.is_empty()).collect();
+fn regression(sets: &[&[Sample]]) -> Result<Terms, Box<dyn Error>> {
+    let sets: Vec<_> = sets.iter().filter(|samples| !samples.is_empty()).collect();
     let all: Vec<Terms> = sets.iter().flat_map(|samples| samples.iter().map(terms)).collect();
     if all.is_empty() {
         return Err("nothing was found in any picture".into());
@@ -249,8 +264,7 @@ mod tests {
             let is_true = draw() < score(&terms(&sample), &made);
             Sample { is_true, ..sample }
         });
-        let sets = BTreeMap::from([("drawn".to_owned(), samples.collect())]);
-        let found = regression(&sets).unwrap();
+        let found = regression(&[&samples.collect::<Vec<_>>()]).unwrap();
         assert!((found - made).amax() < 0.1, "{found}");
     }
 }

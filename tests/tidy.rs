@@ -193,7 +193,7 @@ fn documents_tell_the_numbers_of_the_preset() {
     );
     for (document, told) in [
         ("crates/vision/README.md", [&major, &points]),
-        ("docs/detector.md", [&both, &points]),
+        ("docs/detector-paper.md", [&both, &points]),
         ("docs/troubleshooting.md", [&both, &points]),
         ("docs/first-robot.md", [&major, &major]),
     ] {

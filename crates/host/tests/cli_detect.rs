@@ -111,7 +111,6 @@ fn each_option_is_heard_by_its_own_detector_or_refused() {
     refused(&["--preset", "default", "--quality", "90"], &["--quality", "--preset paper"]);
     refused(&["--preset", "paper", "--min-axis", "9"], &["--min-axis", "--semi-minor"]);
     refused(&["--table", "--min-score", "0.5"], &["--table", "--min-score"]);
-    refused(&["--stages", "folder"], &["--preset paper"]);
     refused(&["--min-axis", "1"], &["semi_axis_min_px is 1", "--min-axis"]);
     refused(&["--min-score", "2"], &["score_min is 2", "0 to 1"]);
     refused(&["--region", "1,2,3"], &["100,50,320,240"]);
@@ -162,16 +161,9 @@ fn pictures_go_where_they_are_wanted() {
     draw(&user.path("two.png"));
     user.expect(0, &["detect", "one.png", "--annotate", "deep/found.png"]);
     assert!(is_png(&user.path("deep/found.png")));
-    let stages = ["--preset", "paper", "--stages", "stages"];
-    let folder = ["detect", "one.png", "two.png", "--annotate", "folder"];
-    user.expect(0, &[&folder[..], &stages].concat());
+    user.expect(0, &["detect", "one.png", "two.png", "--annotate", "folder"]);
     for name in ["folder/one-ellipses.png", "folder/two-ellipses.png"] {
         assert!(is_png(&user.path(name)), "{name}");
-    }
-    for stage in
-        ["1-grey", "2-noise-reduced", "3-gradient", "4-edges", "5-virtual-ellipses", "6-ellipses"]
-    {
-        assert!(is_png(&user.path(&format!("stages/two-{stage}.png"))), "{stage}");
     }
     user.expect(2, &["detect", "one.png", "two.png", "--annotate", "out.png"]).told(&[
         "out.png",
@@ -179,6 +171,32 @@ fn pictures_go_where_they_are_wanted() {
         "{}",
     ]);
     user.expect(2, &["detect", "one.png", "--annotate", "/proc/no/out.png"]).told(&["/proc/no"]);
+}
+
+#[test]
+fn every_stage_of_either_detector_becomes_a_picture() {
+    let user = User::new();
+    draw(&user.path("one.png"));
+    draw(&user.path("two.png"));
+    for (preset, between) in [
+        ("default", ["2-edge-points", "3-chains", "4-arcs", "5-candidates"]),
+        ("paper", ["2-noise-reduced", "3-gradient", "4-edges", "5-virtual-ellipses"]),
+    ] {
+        let stages = ["--preset", preset, "--stages", preset];
+        user.expect(0, &[&["detect", "one.png", "two.png"], &stages[..]].concat());
+        for name in ["one", "two"] {
+            for stage in ["1-grey"].iter().chain(&between).chain(&["6-ellipses"]) {
+                assert!(is_png(&user.path(&format!("{preset}/{name}-{stage}.png"))), "{stage}");
+            }
+        }
+        assert_eq!(std::fs::read_dir(user.path(preset)).unwrap().count(), 12);
+    }
+    // Between the grey picture and the ellipses of the default detector no two stages look alike.
+    let of = |stage| std::fs::read(user.path(&format!("default/one-{stage}.png"))).unwrap();
+    let drawn = ["2-edge-points", "3-chains", "4-arcs", "5-candidates"].map(of);
+    for (at, one) in drawn.iter().enumerate() {
+        assert!(!drawn[at + 1..].contains(one), "stage {at}");
+    }
 }
 
 #[test]

@@ -10,21 +10,18 @@
 // Counts of a few hundred are exact in f64.
 #![allow(clippy::cast_precision_loss)]
 
+mod truth;
+
 use std::error::Error;
 use std::path::Path;
 use std::time::Duration;
 
+use rsapien_vision::evaluate::Truth;
 use rsapien_vision::paper::{DetectedEllipse, Detector};
 use rsapien_vision::{Ellipse, Picture};
 
 /// Overlap from which two ellipses are the same.
 const OVERLAP_MIN: f64 = 0.8;
-
-struct Truth {
-    image: String,
-    ellipses: Vec<Ellipse>,
-    ignore: Vec<Ellipse>,
-}
 
 /// Found, missed and false ellipses of one detection.
 #[derive(Default, Clone, Copy)]
@@ -43,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "picture               perfect  missed  false  edge points  pairs  virtual  ms/seed (one thread)"
     );
-    for truth in read_truths(Path::new(&folder))? {
+    for truth in truth::read_truths(Path::new(&folder))? {
         if !names.is_empty() && !names.iter().any(|name| truth.image.contains(name)) {
             continue;
         }
@@ -122,33 +119,4 @@ fn grow_matching(
         }
     }
     false
-}
-
-fn read_truths(folder: &Path) -> Result<Vec<Truth>, Box<dyn Error>> {
-    let mut files: Vec<_> = std::fs::read_dir(folder.join("gt"))?
-        .map(|entry| Ok(entry?.path()))
-        .collect::<std::io::Result<_>>()?;
-    files.retain(|file| file.extension().is_some_and(|extension| extension == "json"));
-    files.sort();
-    files.iter().map(|file| read_truth(file)).collect()
-}
-
-fn read_truth(file: &Path) -> Result<Truth, Box<dyn Error>> {
-    let json: serde_json::Value = serde_json::from_slice(&std::fs::read(file)?)?;
-    let ellipses = |key: &str| -> Vec<Ellipse> {
-        let lists = json[key].as_array().map_or(&[][..], Vec::as_slice);
-        let ellipse = |list: &serde_json::Value| {
-            let value = |i: usize| list[i].as_f64().unwrap_or(f64::NAN);
-            Ellipse {
-                center_x_px: value(0),
-                center_y_px: value(1),
-                semi_major_px: value(2),
-                semi_minor_px: value(3),
-                theta_rad: value(4),
-            }
-        };
-        lists.iter().map(ellipse).collect()
-    };
-    let image = json["image"].as_str().ok_or("a truth file names no image")?.to_owned();
-    Ok(Truth { image, ellipses: ellipses("ellipses"), ignore: ellipses("ignore") })
 }

@@ -1,5 +1,7 @@
 //! Drawing what was found (feature `image`).
 
+pub mod stages;
+
 use crate::ellipse::Ellipse;
 use crate::io::Picture;
 

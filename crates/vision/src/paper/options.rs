@@ -88,7 +88,7 @@ impl Options {
     /// | `members_min` | 1 | the paper says nothing of dropping single members |
     /// | `edge_share_max` | 0.2 | an addition: refuses noise. The paper's pictures have about 0.05 |
     ///
-    /// `docs/detector.md` in the repository tells what was measured.
+    /// `docs/detector-paper.md` in the repository tells what was measured.
     pub fn paper() -> Self {
         Self {
             noise: NoiseReduction::Gaussian,

@@ -37,8 +37,8 @@ use crate::cli::signal::Interrupt;
 /// Reads PNG, JPEG, BMP and PNM files, all of a folder, or the standard input (`-`), or takes a picture with the robot's
 /// camera. Two detectors are there. The preset `default` finds ellipses of any size, to parts of a pixel. The preset
 /// `paper` is the detector of the paper: noise reduction, gradient, Maximum Variance Threshold, Randomized Hough
-/// Transform, filters of false ellipses, clustering; --table, --stages and the options of that detector belong to it, and
-/// giving one of these options or --table asks for it. The same picture, options and seed give the same ellipses.
+/// Transform, filters of false ellipses, clustering; --table and the options of that detector belong to it, and giving one
+/// of them asks for it. The same picture, options and seed give the same ellipses.
 ///
 /// With --json each picture is one line: {"image": name, "width": w, "height": h, "ms": time of the detection without
 /// reading the file, "ellipses": [[cx, cy, a, b, theta], ...], "scores": [...], "details": [...], "truncated": whether
@@ -55,7 +55,7 @@ Examples:
   rsapien detect --json photographs/ > ellipses.jsonl
   rsapien detect --csv 'photographs/**/*.jpg' --min-axis 20 --min-score 0.7 > ellipses.csv
   rsapien detect --table fig9a.png fig9b.png fig9c.png fig9d.png
-  rsapien detect --preset paper cups.png --stages stages/
+  rsapien detect cups.png --stages stages/
   rsapien detect --camera virtual --pan 40 --tilt -20")]
 pub(crate) struct Cmd {
     /// Pictures, folders of them, or patterns such as 'photographs/*.jpg'; `-` is the standard input
@@ -74,7 +74,7 @@ pub(crate) struct Cmd {
     #[arg(long, value_name = "OUT")]
     annotate: Option<PathBuf>,
 
-    /// Write every stage of the paper's detector as a picture to this folder (made where missing)
+    /// Write every stage of the detector as a picture to this folder (made where missing)
     #[arg(long, value_name = "DIR")]
     stages: Option<PathBuf>,
 
@@ -156,10 +156,6 @@ impl Cmd {
             return Err(Failure::new(format!("{flag} is told in JSON alone"))
                 .hint(format!("add --json, or leave {flag} out")));
         }
-        if preset == Preset::Default && self.stages.is_some() {
-            return Err(Failure::new("--stages writes the stages of the paper's detector")
-                .hint("add --preset paper"));
-        }
         if self.csv && context.style.json {
             return Err(Failure::new("--csv and --json are two forms of one answer")
                 .hint("leave one of them out"));
@@ -187,11 +183,9 @@ impl Cmd {
         if let Some(place) = places.annotated(index) {
             save(&stages::annotated(picture, &found.ellipses()), &place)?;
         }
-        if self.stages.is_some()
-            && let Some(all) = threads.install(|| search.stages(&gray.view()))
-        {
+        if self.stages.is_some() {
             let place = |stage: &str| places.stage(index, stage);
-            stages::write(picture, &gray, &found.ellipses(), &all, place)?;
+            threads.install(|| stages::write(search, picture, &gray, &found.ellipses(), place))?;
         }
         Ok(found)
     }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use rsapien_vision::paper::{self, Stages};
+use rsapien_vision::paper;
 use rsapien_vision::{Detection, Detector, Ellipse, GrayView};
 
 /// A detector of either preset.
@@ -65,14 +65,6 @@ impl Search {
             }
         };
         Found { detection, duration: median(&mut durations) }
-    }
-
-    /// What every stage of the paper's detector gives; the default detector has none of these.
-    pub(super) fn stages(&self, view: &GrayView<'_>) -> Option<Stages> {
-        match self {
-            Self::Default(_) => None,
-            Self::Paper { detector, seed } => Some(detector.detect_with_stages(view, *seed).1),
-        }
     }
 }
 

@@ -114,7 +114,7 @@ def test_an_ellipse_goes_to_other_packages_and_back():
     assert rsapien.Ellipse(*ellipse).overlap(ellipse) == 1
     with pytest.raises(ValueError, match="semi_minor"):
         rsapien.Ellipse(1, 2, 3, 0)
-    patches = pytest.importorskip("matplotlib.patches")
+    from matplotlib import patches
     patch = ellipse.patch(color="lime")
     assert isinstance(patch, patches.Ellipse) and not patch.get_fill()
     assert (patch.center, patch.width, patch.height) == ((10, 20), 14, 8)

@@ -17,7 +17,7 @@ pub(crate) struct Evidence {
 /// Number of features of the score.
 pub(crate) const FEATURES: usize = 6;
 /// Weights of the features and, last, the constant: a logistic regression, made by the example `score-weights`.
-const WEIGHTS: [f64; FEATURES + 1] = [1.628, -5.351, -1.971, -8.976, 0.517, 1.127, -11.957];
+const WEIGHTS: [f64; FEATURES + 1] = [1.267, -5.181, -1.935, -8.564, 0.572, 0.914, -11.811];
 
 impl Evidence {
     pub(crate) fn new(edges: &EdgeMap, support: &Support) -> Self {

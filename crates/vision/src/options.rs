@@ -86,7 +86,7 @@ impl Default for Options {
             semi_axis_min_px: 2.0,
             semi_axis_max_px: SIDE_PX_MAX as f64,
             axis_ratio_min: 0.2,
-            score_min: 0.5,
+            score_min: 0.6,
             region: None,
             strokes: Strokes::MiddleLine,
             support_points: false,

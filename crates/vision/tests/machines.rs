@@ -130,7 +130,7 @@ fn discs_on_discs() {
     assert_same(
         "discs on discs",
         &drawn(260, 200, &shapes, 2),
-        Options::default(),
+        Options { score_min: 0.5, ..Options::default() },
         &[
             [40.0044, 40.1202, 15.9908, 12.0598, 0.65325],
             [43.0013, 60.9986, 30.9154, 15.9368, 0.63985],

@@ -346,7 +346,7 @@ def detect(
     picture is not copied; do not write to it meanwhile, since other threads run during a detection.
 
     Of ``preset="default"``: ``semi_axis_min`` (2) and ``semi_axis_max`` bound the semi-minor and the
-    semi-major axis in pixels, ``axis_ratio_min`` (0.2) their ratio, ``score_min`` (0.5) the score;
+    semi-major axis in pixels, ``axis_ratio_min`` (0.2) their ratio, ``score_min`` (0.6) the score;
     ``region`` is the part of the picture looked at, (left, top, width, height); ``strokes`` tells of a
     drawn ring its middle line (``"middle"``) or both its edges (``"edges"``); ``support_points`` and
     ``covariance`` ask for those of each ellipse.

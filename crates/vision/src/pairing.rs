@@ -4,6 +4,9 @@ use crate::arc::{Arc, SAMPLES};
 
 /// How many of its radii an arc may be away from another one.
 const REACH_RADII: f32 = 8.0;
+/// Least length of both arcs together for each pixel of distance. A contour is at least twice as long as the distance of
+/// two points on it, so this asks for a fifth of it.
+const LENGTH_PER_DISTANCE_MIN: f32 = 0.4;
 /// Normals are off by up to this, radians.
 const SLACK_RAD: f32 = 0.1;
 /// An arc may cross the tangent of another by this, in pixels.
@@ -17,6 +20,7 @@ pub(crate) struct Place {
     inside_x: f32,
     inside_y: f32,
     reach_px: f32,
+    length_px: f32,
 }
 
 impl Place {
@@ -28,18 +32,22 @@ impl Place {
             inside_x: arc.inside_x[middle],
             inside_y: arc.inside_y[middle],
             reach_px: REACH_RADII * arc.length_px / arc.turn_rad,
+            length_px: arc.length_px,
         }
     }
 
-    /// Whether the middle of each is on the inner side of the other, and near enough.
+    /// Whether the middle of each is on the inner side of the other, near enough, and both long enough to be a good part of
+    /// a contour through both.
     #[inline(always)]
     pub(crate) fn may_face(&self, other: &Self) -> bool {
         let (dx, dy) = (other.x - self.x, other.y - self.y);
         let reach_px = self.reach_px.max(other.reach_px);
+        let length_px = self.length_px + other.length_px;
         is_inside(dx, dy, self.inside_x, self.inside_y)
             & is_inside(-dx, -dy, other.inside_x, other.inside_y)
             & (dx.abs() < reach_px)
             & (dy.abs() < reach_px)
+            & (LENGTH_PER_DISTANCE_MIN.powi(2) * (dx * dx + dy * dy) < length_px * length_px)
     }
 }
 

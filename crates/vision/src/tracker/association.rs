@@ -52,7 +52,7 @@ impl Association {
         self.candidates.clear();
         for (track, followed) in tracks.iter().enumerate() {
             for (index, sighting) in sightings.iter().enumerate() {
-                let overlap = followed.ellipse.overlap_from(&sighting.ellipse, overlap_min);
+                let overlap = followed.ellipse.overlap_star(&sighting.ellipse);
                 let merit = if overlap >= overlap_min {
                     Some(overlap)
                 } else {

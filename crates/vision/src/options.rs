@@ -1,4 +1,4 @@
-//! The options of the [`Detector`](crate::Detector), their ranges and their builder.
+//! The options of the [`Detector`], their ranges and their builder.
 
 use thiserror::Error;
 

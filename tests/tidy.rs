@@ -203,3 +203,22 @@ fn documents_tell_the_numbers_of_the_preset() {
         }
     }
 }
+
+#[test]
+fn documents_tell_the_defaults_of_the_detector() {
+    let options = rsapien_vision::Options::default();
+    let detector = read(&workspace().join("docs/detector.md"));
+    for (field, value) in [
+        ("semi_axis_min_px", options.semi_axis_min_px),
+        ("semi_axis_max_px", options.semi_axis_max_px),
+        ("axis_ratio_min", options.axis_ratio_min),
+        ("score_min", options.score_min),
+    ] {
+        let told = detector.lines().find(|line| line.starts_with(&format!("| `{field}` |")));
+        let told = told.unwrap_or_else(|| panic!("docs/detector.md has no row for {field}"));
+        assert!(told.contains(&format!("| {value} |")), "docs/detector.md: {told}, not {value}");
+    }
+    let python = read(&workspace().join("docs/python.md"));
+    let told = format!("| `score_min` | least score, 0 to 1 | {} |", options.score_min);
+    assert!(python.contains(&told), "docs/python.md does not say {told:?}");
+}

@@ -1,6 +1,6 @@
 //! `rsapien detect`: the ellipses in pictures.
 
-mod answer;
+pub(super) mod answer;
 mod inputs;
 mod places;
 mod preset;

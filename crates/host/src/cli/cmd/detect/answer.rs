@@ -82,7 +82,7 @@ pub(super) fn listing(found: &Found) -> Option<Table> {
 }
 
 /// Centre x and y, semi-major and semi-minor axis in pixels, angle in radians.
-fn numbers(ellipse: &Ellipse) -> [f64; 5] {
+pub(in crate::cli::cmd) fn numbers(ellipse: &Ellipse) -> [f64; 5] {
     [
         ellipse.center_x_px,
         ellipse.center_y_px,
@@ -114,6 +114,8 @@ pub(super) struct Answer<'a> {
 #[derive(Serialize)]
 struct Details {
     support_share: f64,
+    inside_share: f64,
+    gap_share: f64,
     gradient_agreement: f64,
     log10_false_alarms: f64,
     residual_px: f64,
@@ -132,6 +134,8 @@ impl Details {
             |point: &rsapien_vision::SupportPoint| [point.x_px, point.y_px, point.gradient_rad];
         Self {
             support_share: found.support_share,
+            inside_share: found.inside_share,
+            gap_share: found.gap_share,
             gradient_agreement: found.gradient_agreement,
             log10_false_alarms: found.log10_false_alarms,
             residual_px: found.residual_px,

@@ -5,10 +5,11 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use rsapien_vision::{Ellipse, Picture, TrackState, draw};
+use rsapien_vision::{Picture, TrackState, draw};
 use serde::Serialize;
 
 use super::looker::{Followed, Look};
+use crate::cli::cmd::detect::answer::numbers;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::output::json_line;
 use crate::video::{Frame, FrameServer, encode_jpeg};
@@ -168,15 +169,4 @@ fn word(state: TrackState) -> &'static str {
 /// To a microsecond.
 fn milliseconds(duration: Duration) -> f64 {
     (duration.as_secs_f64() * 1e6).round() / 1e3
-}
-
-fn numbers(ellipse: &Ellipse) -> [f64; 5] {
-    [
-        ellipse.center_x_px,
-        ellipse.center_y_px,
-        ellipse.semi_major_px,
-        ellipse.semi_minor_px,
-        // Adding 0 turns -0 into 0.
-        ellipse.theta_rad + 0.0,
-    ]
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rsapien_protocol::{Pose, Step};
 
 use crate::action::{ActionDraft, ActionStep, TIMES_MAX};
+use crate::compiled::{CompiledAction, Reactions, StepSource};
 use crate::error::RegistryError;
 use crate::graph::{Graph, Size};
 use crate::problem::{Finding, Findings};
@@ -35,32 +36,6 @@ impl Default for CompileOptions {
     fn default() -> CompileOptions {
         CompileOptions { times: 1, speed: 1.0 }
     }
-}
-
-/// An action as the robot's queue takes it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CompiledAction {
-    /// The action's name.
-    pub name: String,
-    /// The steps in order; none replaces the queue.
-    pub steps: Vec<Step>,
-    /// Where each step of `steps` comes from.
-    pub sources: Vec<StepSource>,
-    /// How long all steps last together, in milliseconds.
-    pub duration_ms: u64,
-}
-
-/// Where a compiled step comes from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StepSource {
-    /// The action it is written in: the one compiled, or one that it plays.
-    pub action: Arc<str>,
-    /// The number of the step in that action, from 1.
-    pub step: usize,
-    /// The number of the step in the action compiled, from 1.
-    pub outer_step: usize,
-    /// In which repeat of the whole action, from 1.
-    pub round: u16,
 }
 
 /// Compiles `draft`, which may play those of `played`, each of which may play others of them.
@@ -111,9 +86,15 @@ pub fn compile(
     }
     Ok(CompiledAction {
         name: draft.name.clone(),
+        reactions: expansion
+            .steps
+            .iter()
+            .map(|step| Reactions::ending(step.ending_bumpers))
+            .collect(),
         steps: expansion.steps,
         sources: expansion.sources,
         duration_ms: whole.duration_ms,
+        ..CompiledAction::default()
     })
 }
 

@@ -4,6 +4,7 @@
 mod action;
 mod check;
 mod compile;
+mod compiled;
 mod error;
 mod form;
 mod graph;
@@ -18,9 +19,9 @@ pub use action::{
 };
 pub use check::check_draft;
 pub use compile::{
-    COMPILED_STEPS_MAX, CompileOptions, CompiledAction, DURATION_MS_MAX, NESTING_MAX, SPEED_MAX,
-    SPEED_MIN, StepSource, compile,
+    COMPILED_STEPS_MAX, CompileOptions, DURATION_MS_MAX, NESTING_MAX, SPEED_MAX, SPEED_MIN, compile,
 };
+pub use compiled::{CompiledAction, Label, Reaction, Reactions, StepSource, Wait};
 pub use error::RegistryError;
 pub use problem::{Finding, Findings, Problem};
 pub use store::{BUSY_TIMEOUT_MS, ImportPolicy, ImportReport, Registry};

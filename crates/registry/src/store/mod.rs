@@ -11,7 +11,8 @@ use rusqlite::{Connection, ErrorCode, Transaction, TransactionBehavior};
 use serde::Serialize;
 
 use crate::action::{Action, ActionDraft, ActionSummary, VersionSummary};
-use crate::compile::{CompileOptions, CompiledAction, compile};
+use crate::compile::{CompileOptions, compile};
+use crate::compiled::CompiledAction;
 use crate::error::RegistryError;
 use crate::problem::{Finding, Findings};
 use crate::text::{TomlActions, write_toml};

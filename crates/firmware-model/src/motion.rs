@@ -40,7 +40,7 @@ use crate::{Controller, Inputs, ResetCause};
 pub const MOTION_WATCHDOG_MS: u8 = 144;
 
 /// Full travel times at reset, in ms, in the order of the joints' indices.
-pub const FULL_TRAVEL_MS_DEFAULT: [u16; Joint::COUNT] = [1000, 1000, 400, 400, 500, 600, 600];
+pub const FULL_TRAVEL_MS_DEFAULT: [u16; Joint::COUNT] = Joint::FULL_TRAVEL_MS;
 
 /// The outputs of the seven motors, in the order of the joints' indices.
 pub type MotorOutputs = [MotorOutput; Joint::COUNT];

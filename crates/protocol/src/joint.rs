@@ -40,6 +40,23 @@ impl Joint {
         if (index as usize) < Joint::COUNT { Some(Joint::ALL[index as usize]) } else { None }
     }
 
+    /// How long each joint takes from one end stop to the other, in ms, in the order of the indices:
+    /// what a controller reckons with after its reset, and until CONFIGURE sets another time.
+    pub const FULL_TRAVEL_MS: [u16; Joint::COUNT] = [1000, 1000, 400, 400, 500, 600, 600];
+
+    /// How long the joint takes from one end stop to the other, in ms (see
+    /// [`FULL_TRAVEL_MS`](Joint::FULL_TRAVEL_MS)).
+    pub const fn full_travel_ms(self) -> u16 {
+        Self::FULL_TRAVEL_MS[self as usize]
+    }
+
+    /// How long the joint is given to stand at any position from wherever it was, in ms: its full
+    /// travel, the eighth of it for which a motor runs on at an end stop, and up to 25 ms.
+    pub const fn settle_ms(self) -> u16 {
+        let travel_ms = self.full_travel_ms();
+        (travel_ms + travel_ms / 8) / 25 * 25 + 25
+    }
+
     /// The index on the line, 0..=6.
     pub const fn index(self) -> u8 {
         self as u8

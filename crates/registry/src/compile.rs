@@ -63,7 +63,7 @@ pub fn compile(
     }
     let drafts: Vec<&ActionDraft> = std::iter::once(draft).chain(played).collect();
     let findings: Vec<Finding> =
-        drafts.iter().flat_map(|draft| crate::check::check_draft(draft)).collect();
+        drafts.iter().flat_map(|draft| crate::draft_check::check_draft(draft)).collect();
     refuse(findings)?;
     let graph = Graph::of_drafts(&drafts, |draft| own_size(draft, speed)).map_err(refusal)?;
     let sizes = graph.measure(&[0]).map_err(refusal)?;

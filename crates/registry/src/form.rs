@@ -7,7 +7,7 @@ use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::action::{ActionStep, TIMES_MAX, pose_of};
-use crate::check::{RESERVED_NAME, name_problem};
+use crate::draft_check::{RESERVED_NAME, name_problem};
 use crate::problem::Problem;
 use crate::suggest::closest;
 

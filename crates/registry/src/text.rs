@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::action::{ActionDraft, ActionStep};
-use crate::check::check_draft;
+use crate::draft_check::check_draft;
 use crate::form::{StepForm, Words};
 use crate::problem::{Finding, Findings, Problem};
 

@@ -7,7 +7,7 @@ use rusqlite::{Connection, Error};
 
 use super::{ImportPolicy, ImportReport, Place, read};
 use crate::action::{ActionDraft, ActionStep};
-use crate::check::check_draft;
+use crate::draft_check::check_draft;
 use crate::error::RegistryError;
 use crate::problem::{Finding, Findings, Problem};
 use crate::suggest::closest;

@@ -113,6 +113,15 @@ impl BumperMask {
         self.0 == 0
     }
 
+    /// Left for right.
+    #[must_use]
+    pub const fn mirrored(self) -> BumperMask {
+        let bits = self.0;
+        let feet = ((bits & 0x03) << 2) | ((bits & 0x0C) >> 2);
+        let hands = ((bits & 0x10) << 1) | ((bits & 0x20) >> 1);
+        BumperMask(feet | hands)
+    }
+
     /// Those in both.
     #[must_use]
     pub const fn intersection(self, other: BumperMask) -> BumperMask {
@@ -150,6 +159,19 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn mirroring_bumpers_changes_left_and_right_in_their_names() {
+        for (index, name) in (0..).zip(BumperMask::NAMES) {
+            let mirrored = BumperMask(1 << index).mirrored();
+            let swapped = match name.split_once('-') {
+                Some(("left", rest)) => std::format!("right-{rest}"),
+                Some((_, rest)) => std::format!("left-{rest}"),
+                None => std::string::String::new(),
+            };
+            assert!(mirrored.names().eq([swapped.as_str()]), "{name}");
+        }
+    }
 
     #[test]
     fn every_word_is_a_pose_or_refused() {

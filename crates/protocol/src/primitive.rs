@@ -52,6 +52,17 @@ impl Primitive {
         self.joint.position_names()[(self.position.number() - 1) as usize]
     }
 
+    /// Left for right: the same of the other side; the trunk tilts to the other side.
+    #[must_use]
+    pub const fn mirrored(self) -> Primitive {
+        let position = match (self.joint, self.position) {
+            (Joint::Tilt, Position::First) => Position::Last,
+            (Joint::Tilt, Position::Last) => Position::First,
+            (_, position) => position,
+        };
+        Primitive { joint: self.joint.mirrored(), position }
+    }
+
     /// Every primitive in the order of Table 1.
     pub fn all() -> impl ExactSizeIterator<Item = Primitive> + Clone {
         (0..Primitive::COUNT).map(|index| Primitive {
@@ -99,6 +110,18 @@ pub struct UnknownPrimitive;
 mod tests {
     use super::*;
     use std::string::ToString;
+
+    #[test]
+    fn mirroring_changes_left_and_right_in_the_name() {
+        for primitive in Primitive::all() {
+            let swapped = primitive
+                .to_string()
+                .replace("left", "?")
+                .replace("right", "left")
+                .replace('?', "right");
+            assert_eq!(primitive.mirrored().to_string(), swapped);
+        }
+    }
 
     /// Table 1 of the paper, in its order.
     const TABLE_1: [&str; 21] = [

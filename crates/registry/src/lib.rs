@@ -7,6 +7,7 @@ mod compile;
 mod compiled;
 mod draft_check;
 mod error;
+pub mod expand;
 mod form;
 mod graph;
 pub mod language;

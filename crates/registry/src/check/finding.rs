@@ -15,13 +15,13 @@ pub struct Finding {
     /// The place in the text of [`Findings`].
     pub span: Span,
     /// What to say of the place, under it; may be empty.
-    pub label: String,
+    pub label: Box<str>,
     /// Other places that belong to it, and what to say of each.
     pub also: Vec<(Span, String)>,
     /// What to do.
-    pub help: Option<String>,
+    pub help: Option<Box<str>>,
     /// The action, where its name is known.
-    pub action: Option<String>,
+    pub action: Option<Box<str>>,
 }
 
 impl Finding {
@@ -31,7 +31,7 @@ impl Finding {
             rule,
             message: message.into(),
             span,
-            label: String::new(),
+            label: Box::default(),
             also: Vec::new(),
             help: None,
             action: None,
@@ -41,7 +41,7 @@ impl Finding {
     /// The same with a word at its place.
     #[must_use]
     pub fn label(mut self, label: impl Into<String>) -> Finding {
-        self.label = label.into();
+        self.label = label.into().into_boxed_str();
         self
     }
 
@@ -55,14 +55,14 @@ impl Finding {
     /// The same with advice.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Finding {
-        self.help = Some(help.into());
+        self.help = Some(help.into().into_boxed_str());
         self
     }
 
     /// The same, found in the action of this name.
     #[must_use]
     pub fn within(mut self, action: &str) -> Finding {
-        self.action = Some(action.to_owned());
+        self.action = Some(action.into());
         self
     }
 
@@ -110,7 +110,7 @@ impl Findings {
 }
 
 /// Line and column, from 1, of a byte of `text`; columns count characters.
-pub(crate) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
+fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     let before = text.get(..offset.min(text.len())).unwrap_or(text);
     let line = before.matches('\n').count() + 1;
     let begin = before.rfind('\n').map_or(0, |end| end + 1);

@@ -1,8 +1,10 @@
 //! The checker: rules, and what breaks them.
 
 mod finding;
+mod form;
 mod rule;
+mod text;
 
-pub(crate) use finding::line_and_column;
 pub use finding::{Finding, Findings};
 pub use rule::{Rule, Severity};
+pub use text::{CheckedAction, CheckedText, check_text};

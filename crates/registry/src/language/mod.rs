@@ -12,9 +12,8 @@ mod short;
 mod token;
 mod tree;
 
-pub(crate) use parse::bumper_bits;
 pub use parse::{ParsedAction, ParsedText, parse_text};
-pub(crate) use print::{bumper_words, value as value_text};
+pub(crate) use print::value as value_text;
 pub use print::{print_action, print_actions};
 pub(crate) use short::RESERVED_NAME;
 pub use short::parse_value;

@@ -3,7 +3,7 @@
 mod items;
 mod statements;
 
-pub(crate) use items::{GROUPS, bumper_bits, read_value};
+pub(crate) use items::{GROUPS, read_value};
 
 use crate::check::{Finding, Findings, Rule};
 

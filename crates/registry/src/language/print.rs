@@ -164,7 +164,7 @@ pub(crate) fn value(value: Value) -> String {
 }
 
 /// Bumpers as they are written: a group's name where there is one.
-pub(crate) fn bumper_words(bumpers: BumperMask) -> String {
+fn bumper_words(bumpers: BumperMask) -> String {
     if let Some((name, _)) = GROUPS.iter().find(|(_, bits)| *bits == bumpers.bits()) {
         return (*name).to_owned();
     }

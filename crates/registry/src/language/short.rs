@@ -25,7 +25,7 @@ impl Statement {
     /// # Errors
     /// An unknown primitive, two positions of one joint, a duration or a number of repeats that is
     /// not allowed, or a text of another form.
-    pub fn parse_short(text: &str) -> Result<Statement, Box<Finding>> {
+    pub fn parse_short(text: &str) -> Result<Statement, Finding> {
         let malformed = || refused(Rule::Syntax, format!("{text:?} is no step"), FORM);
         let number = |digits: &str| digits.trim().parse::<i64>().map_err(|_| malformed());
         let (rest, times) = match text.rsplit_once('*') {
@@ -70,11 +70,11 @@ impl Statement {
     }
 }
 
-fn refused(rule: Rule, message: String, help: impl Into<String>) -> Box<Finding> {
-    Box::new(Finding::new(rule, Span::default(), message).help(help))
+fn refused(rule: Rule, message: String, help: impl Into<String>) -> Finding {
+    Finding::new(rule, Span::default(), message).help(help)
 }
 
-fn pose_of(words: &[&str]) -> Result<Pose, Box<Finding>> {
+fn pose_of(words: &[&str]) -> Result<Pose, Finding> {
     let mut pose = Pose::EMPTY;
     for word in words {
         let primitive = Primitive::parse(word).map_err(|_| unknown_primitive(word))?;
@@ -93,7 +93,7 @@ fn pose_of(words: &[&str]) -> Result<Pose, Box<Finding>> {
     Ok(pose)
 }
 
-fn unknown_primitive(word: &str) -> Box<Finding> {
+fn unknown_primitive(word: &str) -> Finding {
     let names: Vec<String> = Primitive::all().map(|it| it.to_string()).collect();
     let help = closest(word, names.iter().map(String::as_str)).map_or_else(
         || {
@@ -105,14 +105,14 @@ fn unknown_primitive(word: &str) -> Box<Finding> {
     refused(Rule::UnknownName, format!("{word:?} is no motion primitive"), help)
 }
 
-fn duration_of(ms: i64) -> Result<u16, Box<Finding>> {
+fn duration_of(ms: i64) -> Result<u16, Finding> {
     u16::try_from(ms).ok().filter(|ms| *ms > 0).ok_or_else(|| {
         let message = format!("a duration of {ms} ms");
         refused(Rule::OutOfRange, message, "a step lasts 1 to 65535 ms")
     })
 }
 
-fn times_of(times: i64) -> Result<u16, Box<Finding>> {
+fn times_of(times: i64) -> Result<u16, Finding> {
     let count = u16::try_from(times).ok().filter(|count| (1..=super::TIMES_MAX).contains(count));
     count.ok_or_else(|| {
         let help = format!("a step is repeated 1 to {} times", super::TIMES_MAX);
@@ -124,7 +124,7 @@ fn times_of(times: i64) -> Result<u16, Box<Finding>> {
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn parse_value(text: &str) -> Result<Value, Box<Finding>> {
+pub fn parse_value(text: &str) -> Result<Value, Finding> {
     let unit = text.find(|letter: char| !letter.is_ascii_digit() && letter != '.');
     let (digits, unit) = text.split_at(unit.unwrap_or(text.len()));
     read_value(digits, unit).map_err(|(rule, why)| {

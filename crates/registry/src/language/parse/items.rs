@@ -219,7 +219,7 @@ impl Parser<'_> {
 }
 
 /// The bits of a bumper's or a group's name.
-pub(crate) fn bumper_bits(name: &str) -> Option<u8> {
+fn bumper_bits(name: &str) -> Option<u8> {
     let single = BumperMask::NAMES.iter().position(|bumper| *bumper == name);
     single
         .map(|index| 1 << index)

@@ -23,7 +23,7 @@ pub(super) const BEGINNINGS: [&str; 12] = [
 ];
 
 /// Blocks within blocks: no text may exhaust the stack.
-const DEPTH_MAX: usize = 32;
+const DEPTH_MAX: usize = 16;
 
 const BLOCK_HELP: &str = "what belongs to it stands between `{` and `}`";
 const TIME_HELP: &str = "a time such as `650ms` or `1.5s`, or the name of a parameter";

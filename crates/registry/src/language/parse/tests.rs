@@ -55,7 +55,7 @@ fn first_finding(text: &str) -> (Rule, String, String) {
     let parsed = parse_text(text);
     let finding = parsed.findings.first().unwrap_or_else(|| panic!("nothing found in {text}"));
     let place = text[finding.span.start..finding.span.end].to_owned();
-    (finding.rule, place, finding.help.clone().unwrap_or_default())
+    (finding.rule, place, finding.help.clone().unwrap_or_default().into())
 }
 
 #[test]

@@ -1,0 +1,82 @@
+//! The check of a whole text.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::form::form_findings;
+use super::{Finding, Findings, Rule, Severity};
+use crate::compiled::CompiledAction;
+use crate::expand::{CompileOptions, KnownActions, compile};
+use crate::language::{ActionDraft, ParsedAction, parse_text};
+
+/// A text that was checked.
+#[derive(Clone, Debug, Default)]
+pub struct CheckedText {
+    /// Its actions, in the order of the text, as far as they could be read.
+    pub actions: Vec<CheckedAction>,
+    /// Everything that was found.
+    pub findings: Findings,
+}
+
+/// An action that was checked.
+#[derive(Clone, Debug)]
+pub struct CheckedAction {
+    /// The action and where it stands.
+    pub parsed: ParsedAction,
+    /// Compiled with its defaults, where nothing is wrong with it.
+    pub compiled: Option<CompiledAction>,
+}
+
+/// Checks a text: reads it, looks at each of its actions, and compiles it. They may play each other in
+/// any order, and those of `known`, of which they hide the ones with the same names.
+pub fn check_text(text: &str, known: &dyn KnownActions) -> CheckedText {
+    let parsed = parse_text(text);
+    let mut findings = parsed.findings;
+    let mut own: BTreeMap<String, Arc<ActionDraft>> = BTreeMap::new();
+    for action in &parsed.actions {
+        let name = &action.draft.name;
+        findings.extend(form_findings(&action.draft));
+        if let Some(first) = own.get(&name.text) {
+            let message = format!("the action `{}` is there twice", name.text);
+            let finding = Finding::new(Rule::DefinedTwice, name.span, message)
+                .and(first.name.span, "first here")
+                .help("give one of them another name")
+                .within(&name.text);
+            findings.push(finding);
+        } else {
+            own.insert(name.text.clone(), Arc::new(action.draft.clone()));
+        }
+    }
+    // What is wrong by itself cannot be compiled, and would be told a second time.
+    let is_sound = findings.iter().all(|finding| finding.severity() != Severity::Error);
+    let overlay = Overlay { own: &own, known };
+    let actions = parsed
+        .actions
+        .into_iter()
+        .map(|parsed| {
+            if !is_sound {
+                return CheckedAction { parsed, compiled: None };
+            }
+            let compiled = compile(&parsed.draft, &overlay, &CompileOptions::default());
+            let compiled = compiled.map_err(|finding| findings.push(finding)).ok();
+            CheckedAction { parsed, compiled }
+        })
+        .collect();
+    CheckedText { actions, findings: Findings::new(text, findings) }
+}
+
+/// The actions of a text before those that are stored.
+struct Overlay<'a> {
+    own: &'a BTreeMap<String, Arc<ActionDraft>>,
+    known: &'a dyn KnownActions,
+}
+
+impl KnownActions for Overlay<'_> {
+    fn draft(&self, name: &str) -> Option<Arc<ActionDraft>> {
+        self.own.get(name).cloned().or_else(|| self.known.draft(name))
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.own.keys().cloned().chain(self.known.names()).collect()
+    }
+}

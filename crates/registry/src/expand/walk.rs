@@ -14,6 +14,9 @@ use crate::language::{
 };
 use crate::suggest::closest;
 
+/// What the compiling of a response counts for in statements, its own not counted.
+const RESPONSE_COST: usize = 100;
+
 /// How much work is left: repeats of repeats that make no step, and responses that play each other in
 /// many ways, have to end, too.
 pub(super) struct Budget {
@@ -155,7 +158,7 @@ impl Walk<'_> {
         mut number: usize,
     ) -> Result<usize, Finding> {
         for statement in statements {
-            self.spend(statement.span, place)?;
+            self.spend(1, statement.span, place)?;
             if let StatementKind::On { bumpers, response } = &statement.kind {
                 place.reactions = self.reactions(*bumpers, response, place, statement.span)?;
                 continue;
@@ -211,7 +214,7 @@ impl Walk<'_> {
                 let times = resolve(count, Wanted::Count, place.values)?;
                 let mut behind = number;
                 for _ in 0..times {
-                    self.spend(span, place)?;
+                    self.spend(1, span, place)?;
                     behind = self.statements(body, place, number)?;
                 }
                 Ok(behind)
@@ -274,9 +277,9 @@ impl Walk<'_> {
         Ok(())
     }
 
-    fn spend(&mut self, span: Span, place: Place<'_>) -> Result<(), Finding> {
+    fn spend(&mut self, cost: usize, span: Span, place: Place<'_>) -> Result<(), Finding> {
         let span = place.outer.map_or(span, |(_, span)| span);
-        match self.budget.statements.checked_sub(1) {
+        match self.budget.statements.checked_sub(cost) {
             Some(left) => self.budget.statements = left,
             None => return Err(too_many_steps(span)),
         }
@@ -307,7 +310,7 @@ impl Walk<'_> {
         };
         self.path.push(play.action.text.clone());
         for _ in 0..times {
-            self.spend(span, place)?;
+            self.spend(1, span, place)?;
             self.statements(&draft.body, inner, 1).map_err(|finding| {
                 // Places in another text mean nothing here.
                 if finding.action.is_some() { finding } else { moved(finding, &name, span) }
@@ -375,6 +378,7 @@ impl Walk<'_> {
             Response::End => return Ok(Reaction::End),
             Response::Play(play) => play,
         };
+        self.spend(RESPONSE_COST, span, place)?;
         let (draft, values) = self.prepare(play, place, span)?;
         let speed = match &play.speed {
             Some(speed) => place.speed * speed_of(speed, place.values)?,

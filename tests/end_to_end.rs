@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 fn action(name: &str, times: u16) -> Vec<Step> {
     let registry = Registry::open_in_memory().unwrap();
-    registry.compile(name, CompileOptions { times, speed: 1.0 }).unwrap().steps
+    registry.compile(name, &CompileOptions { times, ..CompileOptions::default() }).unwrap().steps
 }
 
 /// A simulator on a terminal and on TCP, and the folder of its link.

@@ -67,7 +67,7 @@ impl Tried {
 
 fn action(name: &str) -> Vec<Step> {
     let registry = Registry::open_in_memory().unwrap();
-    registry.compile(name, CompileOptions::default()).unwrap().steps
+    registry.compile(name, &CompileOptions::default()).unwrap().steps
 }
 
 #[test]

@@ -94,7 +94,7 @@ fn play(names: &[&str], seed: u64) -> Played {
     for name in names {
         before = reading();
         on_the_way.clear();
-        let action = registry.compile(name, CompileOptions::default()).unwrap();
+        let action = registry.compile(name, &CompileOptions::default()).unwrap();
         // Not waiting for rest: the action itself has to last until every joint has arrived.
         let mut options = PlayOptions {
             wait_for_rest: false,

@@ -62,7 +62,8 @@ fn an_action_is_added_shown_edited_exported_and_removed() {
     assert_eq!(actions(&user, 0, &add).stdout, "added greet\n");
     actions(&user, 2, &add).told(&["greet", "already", "edit greet"]);
     let shown = actions(&user, 0, &["show", "greet", "--json"]).json();
-    assert_eq!((&shown["version"], &shown["steps"][1]["pause"]), (&1.into(), &200.into()));
+    assert_eq!(shown["version"], 1);
+    assert!(shown["text"].as_str().unwrap().contains("wait 200ms"), "{shown}");
 
     let saved = with_editor(&user, 0, "sed -i s/600/700/").stdout;
     assert_eq!(saved, "saved version 2 of greet\n");
@@ -70,18 +71,18 @@ fn an_action_is_added_shown_edited_exported_and_removed() {
     with_editor(&user, 2, "false").told(&["nothing was saved"]);
     with_editor(&user, 2, "/no/such/editor").told(&["cannot start", "EDITOR"]);
     let refused = with_editor(&user, 2, "sed -i s/700/0/");
-    refused.told(&["step 1", "0 ms", "kept in"]);
+    refused.told(&["error[out-of-range]", "`0ms`", "kept in"]);
     let kept = refused.stderr.split("kept in ").nth(1).unwrap().split(": ").next().unwrap();
     let broken = actions(&user, 1, &["check", kept]).stdout;
-    assert!(broken.contains("line 4") || broken.contains("line 5"), "{broken}");
+    assert!(broken.contains(":3:") && broken.contains("^^^"), "{broken}");
     std::fs::remove_file(kept).unwrap();
     with_editor(&user, 2, "sed -i s/greet/hello/").told(&["\"hello\"", "\"greet\""]);
 
     let text = actions(&user, 0, &["export", "greet"]).stdout;
-    assert!(text.contains("ms = 700"), "{text}");
+    assert!(text.contains("for 700ms"), "{text}");
     actions(&user, 0, &["remove", "greet"]);
     actions(&user, 2, &["show", "greet"]).told(&["no action \"greet\""]);
-    assert!(actions(&user, 0, &["show", "greet", "--version", "1"]).stdout.contains("ms = 600"));
+    assert!(actions(&user, 0, &["show", "greet", "--version", "1"]).stdout.contains("for 600ms"));
 
     // Back again, through the standard input.
     let mut command = user.command(&["actions", "--registry", "actions.sqlite", "add", "-f", "-"]);
@@ -105,17 +106,13 @@ fn what_is_wrong_is_told_with_its_place_and_nothing_is_stored() {
     actions(&user, 2, &["add", "x", "1", "1+2"]).told(&["step 2 (1+2)", "right-arm-front"]);
     actions(&user, 2, &["add", "x", "nosuch"]).told(&["nosuch"]);
     actions(&user, 2, &["remove", "wave"]).told(&["wave", "dance"]);
-    std::fs::write(
-        user.path("circle.toml"),
-        "[[action]]\nname = \"one\"\nsteps = [{ play = \"two\" }]\n\n\
-         [[action]]\nname = \"two\"\nsteps = [{ play = \"one\" }]\n",
-    )
-    .unwrap();
-    let found = actions(&user, 1, &["check", "circle.toml"]).stdout;
+    std::fs::write(user.path("circle.rsa"), "action one { play two }\n\naction two { play one }\n")
+        .unwrap();
+    let found = actions(&user, 1, &["check", "circle.rsa"]).stdout;
     assert!(found.contains("one -> two -> one") || found.contains("two -> one -> two"), "{found}");
-    actions(&user, 2, &["import", "circle.toml"]).told(&["circle"]);
+    actions(&user, 2, &["import", "circle.rsa"]).told(&["circle"]);
     actions(&user, 2, &["show", "one"]);
-    actions(&user, 2, &["import", "missing.toml"]).told(&["missing.toml"]);
+    actions(&user, 2, &["import", "missing.rsa"]).told(&["missing.rsa"]);
     std::fs::write(user.path("no.sqlite"), "this is no database, only a text of some length")
         .unwrap();
     user.expect(2, &["actions", "--registry", "no.sqlite", "list"]).told(&["no.sqlite"]);
@@ -126,11 +123,11 @@ fn what_is_wrong_is_told_with_its_place_and_nothing_is_stored() {
 fn import_replaces_only_when_told_and_the_environment_names_a_registry() {
     let user = User::new();
     let wave = actions(&user, 0, &["export", "wave"]).stdout.replace("Waves", "Now waves");
-    std::fs::write(user.path("wave.toml"), wave).unwrap();
-    actions(&user, 2, &["import", "wave.toml"]).told(&["exist already", "--replace"]);
-    let report = actions(&user, 0, &["import", "--replace", "wave.toml", "--json"]).json();
+    std::fs::write(user.path("wave.rsa"), wave).unwrap();
+    actions(&user, 2, &["import", "wave.rsa"]).told(&["exist already", "--replace"]);
+    let report = actions(&user, 0, &["import", "--replace", "wave.rsa", "--json"]).json();
     assert_eq!(report["replaced"][0], "wave");
-    assert_eq!(actions(&user, 0, &["import", "wave.toml"]).stdout, "unchanged wave\n");
+    assert_eq!(actions(&user, 0, &["import", "wave.rsa"]).stdout, "unchanged wave\n");
     let through_environment = user
         .command(&["actions", "show", "wave"])
         .env("RSAPIEN_REGISTRY", user.path("actions.sqlite"))

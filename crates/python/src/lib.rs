@@ -4,6 +4,7 @@ mod detect;
 mod detection;
 mod ellipse;
 mod errors;
+mod finding;
 mod picture;
 mod pose;
 mod registry;
@@ -27,6 +28,7 @@ fn _rsapien(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<detect::PyDetector>()?;
     module.add_class::<detection::PyDetection>()?;
     module.add_class::<ellipse::PyEllipse>()?;
+    module.add_class::<finding::PyFinding>()?;
     module.add_class::<tracker::PyTracker>()?;
     module.add_class::<tracker::PyTrack>()?;
     module.add_class::<registry::PyRegistry>()?;

@@ -1,11 +1,13 @@
 //! `Registry`: the registry from Python.
 
 use crate::errors::registry_error;
+use crate::finding::PyFinding;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rsapien_protocol::Primitive;
 use rsapien_registry::{
-    ActionDraft, ActionStep, ActionSummary, CompileOptions, CompiledAction, ImportPolicy, Registry,
+    ActionDraft, ActionSummary, CompileOptions, CompiledAction, ImportPolicy, Registry, Statement,
+    Trials,
 };
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -27,14 +29,15 @@ impl PyRegistry {
     }
 
     /// The compiled form of steps that are not stored.
-    pub(crate) fn compile_steps(&self, steps: Vec<ActionStep>) -> PyResult<CompiledAction> {
+    pub(crate) fn compile_steps(&self, steps: Vec<Statement>) -> PyResult<CompiledAction> {
         let draft = ActionDraft::new("steps", steps);
-        self.lock().compile_draft(&draft, CompileOptions::default()).map_err(registry_error)
+        self.lock().compile_draft(&draft, &CompileOptions::default()).map_err(registry_error)
     }
 
     /// The compiled form of an action.
     pub(crate) fn compile(&self, name: &str, times: u16, speed: f64) -> PyResult<CompiledAction> {
-        self.lock().compile(name, CompileOptions { times, speed }).map_err(registry_error)
+        let options = CompileOptions { times, speed, ..CompileOptions::default() };
+        self.lock().compile(name, &options).map_err(registry_error)
     }
 }
 
@@ -83,14 +86,16 @@ impl PyRegistry {
     }
 
     #[pyo3(signature = (text, *, replace=false))]
-    fn import_toml<'py>(
+    fn import_text<'py>(
         &self,
         py: Python<'py>,
         text: &str,
         replace: bool,
     ) -> PyResult<Bound<'py, PyDict>> {
         let policy = if replace { ImportPolicy::Replace } else { ImportPolicy::Refuse };
-        let report = py.detach(|| self.lock().import_toml(text, policy)).map_err(registry_error)?;
+        let report = py
+            .detach(|| self.lock().import_text(text, policy, &Trials::new()))
+            .map_err(registry_error)?;
         let told = PyDict::new(py);
         told.set_item("added", report.added)?;
         told.set_item("replaced", report.replaced)?;
@@ -99,22 +104,26 @@ impl PyRegistry {
     }
 
     #[pyo3(signature = (*names))]
-    fn export_toml(&self, py: Python<'_>, names: Vec<String>) -> PyResult<String> {
+    fn export_text(&self, py: Python<'_>, names: Vec<String>) -> PyResult<String> {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         py.detach(|| {
             let registry = self.lock();
             if names.is_empty() {
-                registry.export_all_toml()
+                registry.export_all_text()
             } else {
-                registry.export_toml(&names, true)
+                registry.export_text(&names, true)
             }
         })
         .map_err(registry_error)
     }
 
-    fn check_toml(&self, py: Python<'_>, text: &str) -> PyResult<Vec<String>> {
-        let findings = py.detach(|| self.lock().check_toml(text)).map_err(registry_error)?;
-        Ok(findings.iter().map(ToString::to_string).collect())
+    fn check(&self, py: Python<'_>, text: &str) -> PyResult<Vec<PyFinding>> {
+        let checked = py.detach(|| self.lock().check_text(text)).map_err(registry_error)?;
+        Ok(PyFinding::list(&checked.findings))
+    }
+
+    fn text(&self, py: Python<'_>, name: &str) -> PyResult<String> {
+        py.detach(|| self.lock().get(name)).map(|action| action.text).map_err(registry_error)
     }
 
     fn remove(&self, py: Python<'_>, name: &str) -> PyResult<()> {
@@ -128,7 +137,6 @@ impl PyRegistry {
             row.set_item("version", version.version)?;
             row.set_item("changed_ms", version.changed_ms)?;
             row.set_item("description", &version.description)?;
-            row.set_item("step_count", version.step_count)?;
             Ok(row)
         };
         versions.iter().map(row).collect()
@@ -146,6 +154,8 @@ fn summary<'py>(py: Python<'py>, action: &ActionSummary) -> PyResult<Bound<'py, 
     row.set_item("tags", &action.tags)?;
     row.set_item("step_count", action.step_count)?;
     row.set_item("duration_ms", action.duration_ms)?;
+    row.set_item("joints", &action.joints)?;
+    row.set_item("content_hash", &action.content_hash)?;
     row.set_item("version", action.version)?;
     Ok(row)
 }

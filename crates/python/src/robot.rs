@@ -14,7 +14,7 @@ use rsapien::{
     CameraController, CancelToken, Error, LinkAddress, MotionController, Outcome, PlayOptions,
     PlayReport, Robot, RobotOptions, SensorsController, StopHandle,
 };
-use rsapien_registry::ActionStep;
+use rsapien_registry::Statement;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -172,8 +172,9 @@ impl PyRobot {
     #[pyo3(signature = (*steps))]
     fn r#do(&self, py: Python<'_>, steps: Vec<String>) -> PyResult<PyOutcome> {
         let parsed: Result<Vec<_>, _> =
-            steps.iter().map(|text| ActionStep::parse_short(text)).collect();
-        let compiled = PyRegistry::in_memory()?.compile_steps(parsed.map_err(value_error)?)?;
+            steps.iter().map(|text| Statement::parse_short(text)).collect();
+        let parsed = parsed.map_err(|finding| value_error(finding.in_words()))?;
+        let compiled = PyRegistry::in_memory()?.compile_steps(parsed)?;
         self.play_steps(py, &compiled.steps, None)
     }
 

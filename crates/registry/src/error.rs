@@ -4,9 +4,7 @@ use std::path::PathBuf;
 
 use rsapien_protocol::Primitive;
 
-use crate::action::TIMES_MAX;
-use crate::compile::{SPEED_MAX, SPEED_MIN};
-use crate::problem::{Findings, did_you_mean};
+use crate::check::Findings;
 
 /// Why a registry could not do what was asked. Nothing was changed.
 #[derive(Debug, thiserror::Error)]
@@ -75,6 +73,24 @@ pub enum RegistryError {
         program_schema: i64,
         /// The version of this program.
         program_version: &'static str,
+    },
+    /// The file has to be brought up to date, and was opened to be read only.
+    #[error(
+        "the registry {} has the older schema {file_schema}: open it once for writing, which brings it \
+         up to date",
+        path.display()
+    )]
+    TooOld {
+        /// The file.
+        path: PathBuf,
+        /// The schema of the file.
+        file_schema: i64,
+    },
+    /// A file is there already, and nothing is written over it.
+    #[error("{} is there already: choose another name, or move it away", path.display())]
+    FileExists {
+        /// The file.
+        path: PathBuf,
     },
     /// Another program holds the file.
     #[error(
@@ -146,16 +162,8 @@ pub enum RegistryError {
         /// Their names, in the order of the text.
         names: Vec<String>,
     },
-    /// The number of repeats asked for is out of range.
-    #[error("{times} times: an action is played 1 to {TIMES_MAX} times")]
-    BadTimes {
-        /// The number of repeats.
-        times: u16,
-    },
-    /// The speed asked for is out of range.
-    #[error("speed {speed}: the speed is {SPEED_MIN} to {SPEED_MAX}, 1 being as written")]
-    BadSpeed {
-        /// The speed.
-        speed: f64,
-    },
+}
+
+fn did_you_mean(suggestion: Option<&str>) -> String {
+    suggestion.map(|name| format!("; did you mean {name:?}?")).unwrap_or_default()
 }

@@ -1,31 +1,32 @@
 #![doc = include_str!("../README.md")]
 #![allow(clippy::doc_markdown, reason = "RoboRegistry and SQLite are names, not code")]
 
+#[cfg(feature = "store")]
 mod action;
 pub mod check;
-mod compile;
 mod compiled;
-mod draft_check;
+#[cfg(feature = "store")]
 mod error;
 pub mod expand;
-mod form;
-mod graph;
+#[cfg(feature = "store")]
+mod hash;
 pub mod language;
-mod problem;
+#[cfg(feature = "store")]
 mod store;
 mod suggest;
-mod text;
 
-pub use action::{
-    Action, ActionDraft, ActionStep, ActionSummary, DESCRIPTION_LENGTH_MAX, NAME_LENGTH_MAX,
-    STEPS_MAX, TAGS_MAX, TIMES_MAX, VersionSummary,
-};
-pub use compile::{
-    COMPILED_STEPS_MAX, CompileOptions, DURATION_MS_MAX, NESTING_MAX, SPEED_MAX, SPEED_MIN, compile,
-};
+#[cfg(feature = "store")]
+pub use action::{Action, ActionSummary, VersionSummary};
+pub use check::{Finding, Findings, Rule, Severity};
 pub use compiled::{CompiledAction, Label, Reaction, Reactions, StepSource, Wait};
-pub use draft_check::check_draft;
+#[cfg(feature = "store")]
 pub use error::RegistryError;
-pub use problem::{Finding, Findings, Problem};
-pub use store::{BUSY_TIMEOUT_MS, ImportPolicy, ImportReport, Registry};
-pub use text::{read_toml, write_toml};
+pub use expand::{CompileOptions, KnownActions, NoActions, compile};
+#[cfg(feature = "store")]
+pub use hash::CONTENT_HASH_SHORT;
+pub use language::{ActionDraft, Statement, parse_text, print_action, print_actions};
+#[cfg(feature = "store")]
+pub use store::{
+    BUSY_TIMEOUT_MS, CONTENT_HASH_MIN, ImportPolicy, ImportReport, Integrity, IntegrityProblem,
+    Query, Registry, Trials,
+};

@@ -7,8 +7,9 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use rsapien_registry::language::Word;
 use rsapien_registry::{
-    ActionDraft, ActionStep, BUSY_TIMEOUT_MS, CompileOptions, Registry, RegistryError,
+    ActionDraft, BUSY_TIMEOUT_MS, CompileOptions, Registry, RegistryError, Statement,
 };
 use rusqlite::Connection;
 
@@ -21,8 +22,8 @@ fn numbered(prefix: &str, number: u32) -> ActionDraft {
     let mut draft = ActionDraft::new(
         format!("{prefix}{number}"),
         vec![
-            ActionStep::parse_short("tilt-left+right-arm-up:500").unwrap(),
-            ActionStep::play("wave", 2),
+            Statement::parse_short("tilt-left+right-arm-up:500").unwrap(),
+            Statement::play("wave", 2),
         ],
     );
     draft.description = format!("number {number} of {prefix}");
@@ -43,7 +44,9 @@ fn child_that_saves() {
         writeln!(out, "\ncommitted {number}").unwrap();
         out.flush().unwrap();
         // An action that all children save in turn.
-        registry.save(&ActionDraft::new("shared", vec![ActionStep::pause(1)])).unwrap();
+        let mut shared = numbered(&prefix, number);
+        shared.name = Word::new("shared");
+        registry.save(&shared).unwrap();
     }
 }
 
@@ -89,7 +92,7 @@ fn processes_write_at_once_from_the_first_open_on() {
     for index in 0..CHILDREN {
         for number in 0..COUNT {
             let draft = numbered(&prefix(index), number);
-            assert_eq!(registry.get(&draft.name).unwrap().draft, draft);
+            assert_eq!(registry.get(&draft.name.text).unwrap().draft().unwrap(), draft);
         }
     }
     let versions: Vec<u32> =
@@ -109,9 +112,9 @@ fn a_writer_waits_and_a_reader_does_not() {
 
     let begun = Instant::now();
     let mut registry = Registry::open(&path).unwrap();
-    assert!(registry.compile("wave", CompileOptions::default()).is_ok());
+    assert!(registry.compile("wave", &CompileOptions::default()).is_ok());
     assert!(begun.elapsed() < Duration::from_millis(BUSY_TIMEOUT_MS), "reading waited");
-    let draft = ActionDraft::new("late", vec![ActionStep::pause(1)]);
+    let draft = ActionDraft::new("late", vec![Statement::wait(1)]);
     let error = registry.save(&draft).unwrap_err();
     assert!(matches!(error, RegistryError::Busy { waited_ms: BUSY_TIMEOUT_MS, .. }), "{error}");
     assert!(begun.elapsed() >= Duration::from_millis(BUSY_TIMEOUT_MS));
@@ -176,7 +179,7 @@ fn what_was_committed_outlasts_kill_9() {
         kept.extend(reported.iter().map(|number| numbered(&prefix, *number)));
         let registry = Registry::open(&path).unwrap();
         for draft in &kept {
-            assert_eq!(&registry.get(&draft.name).unwrap().draft, draft);
+            assert_eq!(&registry.get(&draft.name.text).unwrap().draft().unwrap(), draft);
         }
         // At most the one action whose report the kill cut off.
         let stored =

@@ -5,6 +5,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+use rsapien_registry::Findings;
+use rsapien_registry::check;
 use rsapien_vision::PictureError;
 
 use super::exit::Status;
@@ -21,6 +23,8 @@ pub(crate) struct Failure {
     cause: Option<Cause>,
     status: Status,
     closed_pipe: bool,
+    /// What the checker found, and the name of the text it was found in.
+    findings: Option<Box<(Findings, String)>>,
 }
 
 /// One link of the chain of reasons below a message.
@@ -39,7 +43,18 @@ impl Failure {
             cause: None,
             status: Status::Failed,
             closed_pipe: false,
+            findings: None,
         }
+    }
+
+    /// A text of actions that the checker refuses; it is shown with its places, as of `file_name`.
+    pub(crate) fn findings(findings: Findings, file_name: &str) -> Self {
+        let message = match findings.errors().count() {
+            1 => "the checker refuses it, nothing was stored".to_owned(),
+            count => format!("the checker refuses it ({count} errors), nothing was stored"),
+        };
+        let findings = Some(Box::new((findings, file_name.to_owned())));
+        Self { findings, ..Self::new(message) }
     }
 
     /// The answer "no": exit status 1.
@@ -189,6 +204,10 @@ pub(crate) fn picture(path: &Path, error: &PictureError) -> Failure {
 
 /// The failure as text that ends with a new line: drawn for a terminal, plain lines elsewhere.
 pub(crate) fn render(failure: &Failure, screen: Screen) -> String {
+    if let Some(found) = &failure.findings {
+        let (findings, file_name) = &**found;
+        return check::render(findings, file_name, screen == Screen::Color) + &plain(failure);
+    }
     if screen.is_terminal() {
         let theme = if screen == Screen::Color {
             miette::GraphicalTheme::unicode()

@@ -38,6 +38,11 @@ impl RegistryOptions {
 
 impl From<RegistryError> for Failure {
     fn from(error: RegistryError) -> Self {
+        if let RegistryError::Refused(findings) = error {
+            let action = findings.list.iter().find_map(|finding| finding.action.clone());
+            let name = action.map_or("text".to_owned(), |action| format!("{action}.rsa"));
+            return Self::findings(findings, &name);
+        }
         let failure = Self::from_error(&error);
         match error {
             RegistryError::UnknownAction { .. } => {

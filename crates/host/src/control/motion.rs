@@ -115,7 +115,7 @@ impl MotionController {
         &mut self,
         registry: &rsapien_registry::Registry,
         name: &str,
-        compile: rsapien_registry::CompileOptions,
+        compile: &rsapien_registry::CompileOptions,
         options: &mut PlayOptions<'_>,
     ) -> Result<PlayReport, Error> {
         let action = registry.compile(name, compile)?;

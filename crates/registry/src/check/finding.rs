@@ -66,6 +66,14 @@ impl Finding {
         self
     }
 
+    /// The message with its advice, in one line.
+    pub fn in_words(&self) -> String {
+        match &self.help {
+            Some(help) => format!("{}: {help}", self.message),
+            None => self.message.clone(),
+        }
+    }
+
     /// How grave it is.
     pub const fn severity(&self) -> Severity {
         self.rule.severity()

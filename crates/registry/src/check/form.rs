@@ -34,7 +34,11 @@ pub(crate) fn form_findings(draft: &ActionDraft) -> Vec<Finding> {
 }
 
 /// What is wrong with a name for an action, if anything.
-pub(crate) fn name_finding(name: &Word) -> Option<Finding> {
+pub fn check_name(name: &str) -> Option<Finding> {
+    name_finding(&Word::new(name))
+}
+
+fn name_finding(name: &Word) -> Option<Finding> {
     let text = &name.text;
     let refused = |message: String, help: &str| {
         Some(Finding::new(Rule::BadName, name.span, message).help(help))

@@ -2,9 +2,12 @@
 
 mod finding;
 mod form;
+mod render;
 mod rule;
 mod text;
 
 pub use finding::{Finding, Findings};
+pub use form::check_name;
+pub use render::render;
 pub use rule::{Rule, Severity};
 pub use text::{CheckedAction, CheckedText, check_text};

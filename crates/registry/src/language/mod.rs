@@ -29,7 +29,7 @@ pub const DESCRIPTION_LENGTH_MAX: usize = 2000;
 /// The most tags of one action.
 pub const TAGS_MAX: usize = 32;
 /// The most statements written in one action; playing other actions makes longer ones.
-pub const STATEMENTS_MAX: usize = 2000;
+pub const STATEMENTS_MAX: usize = 5000;
 /// The most repeats of a block, of an action that is played, and of an action when it is compiled.
 pub const TIMES_MAX: u16 = 1000;
 /// The longest that a wait for a bumper may last, in milliseconds: an hour.

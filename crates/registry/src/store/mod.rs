@@ -1,24 +1,38 @@
 //! RoboRegistry: primitives and actions in one SQLite file.
 
+mod convert;
+mod keep;
+mod known;
 mod open;
 mod read;
+mod search;
 mod write;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rsapien_protocol::Primitive;
 use rusqlite::{Connection, ErrorCode, Transaction, TransactionBehavior};
 use serde::Serialize;
 
-use crate::action::{Action, ActionDraft, ActionSummary, VersionSummary};
-use crate::compile::{CompileOptions, compile};
+use crate::action::{Action, ActionSummary, VersionSummary};
+use crate::check::{CheckedText, Findings};
 use crate::compiled::CompiledAction;
 use crate::error::RegistryError;
-use crate::problem::{Finding, Findings};
-use crate::text::{TomlActions, write_toml};
+use crate::expand::{CompileOptions, compile};
+use crate::language::{ActionDraft, print_action};
+
+pub use keep::{Integrity, IntegrityProblem};
+pub use search::Query;
+
+use known::Stored;
+use read::ActionRow;
 
 /// How long a call waits for another program that is writing, in milliseconds.
 pub const BUSY_TIMEOUT_MS: u64 = 5000;
+
+/// The fewest characters of a content hash that name an action.
+pub const CONTENT_HASH_MIN: usize = 6;
 
 /// The database of motion primitives and actions (paper, section 3: `RoboRegistry`).
 ///
@@ -27,12 +41,18 @@ pub const BUSY_TIMEOUT_MS: u64 = 5000;
 /// one file at once; a writer waits up to [`BUSY_TIMEOUT_MS`] for another. A value can be sent to
 /// another thread; to share the file between threads, open it once in each.
 ///
+/// Wherever an action is named, `#` and the beginning of its content hash name it, too, the same in
+/// every registry: `#3fa94c1b`.
+///
 /// Times are those of the system clock, in milliseconds since 1970 (UTC).
 #[derive(Debug)]
 pub struct Registry {
     connection: Connection,
     place: Place,
 }
+
+/// How the motions of actions went on the virtual body, as JSON, by the actions' names.
+pub type Trials = BTreeMap<String, String>;
 
 /// What an import does with an action that exists with other content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +87,16 @@ impl Registry {
         open::open(path.as_ref())
     }
 
+    /// Opens a registry that is there, to read from it only: the file is not made, not brought up to
+    /// date, and every change is refused.
+    ///
+    /// # Errors
+    /// As of [`Registry::open`], and [`RegistryError::TooOld`] for a file that [`Registry::open`] would
+    /// bring up to date first.
+    pub fn open_read_only(path: impl AsRef<Path>) -> Result<Registry, RegistryError> {
+        open::open_read_only(path.as_ref())
+    }
+
     /// A registry in memory that knows the seed library and is gone when dropped.
     ///
     /// # Errors
@@ -93,16 +123,15 @@ impl Registry {
     /// # Errors
     /// The database's, naming the path.
     pub fn list(&self) -> Result<Vec<ActionSummary>, RegistryError> {
-        let transaction = self.begin_read()?;
-        let known = read::known_actions(&transaction).map_err(|error| self.place.error(error))?;
-        let everyone: Vec<usize> = (0..known.rows.len()).collect();
-        let sizes = known.graph.measure(&everyone).map_err(|circle| self.place.corrupt(&circle))?;
-        let summaries = known
-            .rows
-            .into_iter()
-            .zip(sizes)
-            .map(|(row, size)| ActionSummary { duration_ms: size.duration_ms, ..row.summary });
-        Ok(summaries.collect())
+        read::summaries(&self.connection).map_err(|error| self.place.error(error))
+    }
+
+    /// The actions that a query finds: by how well its words fit, or by name where it has no words.
+    ///
+    /// # Errors
+    /// The database's, naming the path.
+    pub fn search(&self, query: &Query) -> Result<Vec<ActionSummary>, RegistryError> {
+        search::search(&self.connection, query).map_err(|error| self.place.error(error))
     }
 
     /// The action of a name, in the version in force.
@@ -112,7 +141,8 @@ impl Registry {
     /// [`RegistryError::IsPrimitive`] for a primitive's name, or the database's.
     pub fn get(&self, name: &str) -> Result<Action, RegistryError> {
         let transaction = self.begin_read()?;
-        self.live_action(&transaction, name)
+        let row = self.live_row(&transaction, name)?;
+        self.action(&transaction, &row, row.latest_version)
     }
 
     /// A version of an action, also of a removed one.
@@ -121,14 +151,12 @@ impl Registry {
     /// As of [`Registry::get`], and [`RegistryError::UnknownVersion`].
     pub fn get_version(&self, name: &str, version: u32) -> Result<Action, RegistryError> {
         let transaction = self.begin_read()?;
-        let found =
-            read::action_row(&transaction, name).map_err(|error| self.place.error(error))?;
-        let row = found.ok_or_else(|| self.unknown(&transaction, name, true))?;
+        let row = self.row(&transaction, name)?;
         if !(1..=row.latest_version).contains(&version) {
-            let latest = row.latest_version;
-            return Err(RegistryError::UnknownVersion { name: name.to_owned(), version, latest });
+            let (name, latest) = (row.name, row.latest_version);
+            return Err(RegistryError::UnknownVersion { name, version, latest });
         }
-        read::action(&transaction, &row, version).map_err(|error| self.place.error(error))
+        self.action(&transaction, &row, version)
     }
 
     /// Every version of an action, the first first, also of a removed one.
@@ -137,10 +165,20 @@ impl Registry {
     /// As of [`Registry::get`].
     pub fn history(&self, name: &str) -> Result<Vec<VersionSummary>, RegistryError> {
         let transaction = self.begin_read()?;
-        let found =
-            read::action_row(&transaction, name).map_err(|error| self.place.error(error))?;
-        let row = found.ok_or_else(|| self.unknown(&transaction, name, true))?;
+        let row = self.row(&transaction, name)?;
         read::versions(&transaction, &row).map_err(|error| self.place.error(error))
+    }
+
+    /// Brings an older version back, as a new one; also of a removed action. Returns its number.
+    ///
+    /// # Errors
+    /// As of [`Registry::get_version`], and [`RegistryError::Refused`] where what it plays has changed
+    /// so that it is wrong now.
+    pub fn restore(&mut self, name: &str, version: u32) -> Result<u32, RegistryError> {
+        let old = self.get_version(name, version)?;
+        let trials = old.trial.map(|trial| (old.name.clone(), trial)).into_iter().collect();
+        self.import_text(&old.text, ImportPolicy::Replace, &trials)?;
+        Ok(self.get(&old.name)?.version)
     }
 
     /// Saves an action as a new version and returns its number: 1 for a new name, one more than
@@ -148,29 +186,25 @@ impl Registry {
     ///
     /// # Errors
     /// [`RegistryError::Refused`] with everything wrong with it, also when an action that plays it
-    /// would become too long by it; or the database's.
+    /// would become wrong by it; or the database's.
     pub fn save(&mut self, draft: &ActionDraft) -> Result<u32, RegistryError> {
-        let transaction = self.begin_write()?;
-        let versions = write::store(&transaction, &self.place, &[draft])?;
-        self.commit(transaction)?;
-        Ok(versions.first().copied().unwrap_or_default())
+        self.import_text(&print_action(draft), ImportPolicy::Replace, &Trials::new())?;
+        Ok(self.get(&draft.name.text)?.version)
     }
 
-    /// Removes an action. Its versions are kept ([`Registry::history`]), and saving one of them
-    /// again brings it back.
+    /// Removes an action. Its versions are kept ([`Registry::history`]), and restoring one of them
+    /// brings it back.
     ///
     /// # Errors
     /// [`RegistryError::InUse`] when other actions play it; as of [`Registry::get`] otherwise.
     pub fn remove(&mut self, name: &str) -> Result<(), RegistryError> {
         let transaction = self.begin_write()?;
         let error = |error| self.place.error(error);
-        let found = read::action_row(&transaction, name).map_err(error)?;
-        let Some(row) = found.filter(|row| !row.removed) else {
-            return Err(self.unknown(&transaction, name, false));
-        };
+        let row = self.live_row(&transaction, name)?;
         let users = read::users(&transaction, row.id).map_err(error)?;
         if !users.is_empty() {
-            return Err(RegistryError::InUse { name: name.to_owned(), users });
+            let users = users.into_iter().map(|(_, name)| name).collect();
+            return Err(RegistryError::InUse { name: row.name, users });
         }
         write::remove(&transaction, row.id).map_err(error)?;
         self.commit(transaction)
@@ -179,109 +213,161 @@ impl Registry {
     /// Compiles an action, with all it plays, to the steps of the robot's queue.
     ///
     /// # Errors
-    /// As of [`Registry::get`] and [`compile`].
+    /// As of [`Registry::get`], and [`RegistryError::Refused`] for options that are not allowed.
     pub fn compile(
         &self,
         name: &str,
-        options: CompileOptions,
+        options: &CompileOptions,
     ) -> Result<CompiledAction, RegistryError> {
         let transaction = self.begin_read()?;
-        let action = self.live_action(&transaction, name)?;
-        let played = self.all_played(&transaction, std::slice::from_ref(&action.draft))?;
-        compile(&action.draft, &played, options)
+        let row = self.live_row(&transaction, name)?;
+        let action = self.action(&transaction, &row, row.latest_version)?;
+        let draft =
+            action.draft().ok_or_else(|| self.place.corrupt(&"a text without an action"))?;
+        self.compile_with(&transaction, &draft, options, &action.text)
     }
 
     /// Compiles an action that is not stored; what it plays is.
     ///
     /// # Errors
-    /// As of [`compile`], and the database's.
+    /// [`RegistryError::Refused`] with the first thing that is wrong, or the database's.
     pub fn compile_draft(
         &self,
         draft: &ActionDraft,
-        options: CompileOptions,
+        options: &CompileOptions,
     ) -> Result<CompiledAction, RegistryError> {
         let transaction = self.begin_read()?;
-        let played = self.all_played(&transaction, std::slice::from_ref(draft))?;
-        compile(draft, &played, options)
+        self.compile_with(&transaction, draft, options, "")
     }
 
-    /// Imports the actions of a TOML text, all or none. They may play each other in any order,
-    /// and actions that are stored already.
+    /// Imports the actions of a text, all or none, word for word. They may play each other in any
+    /// order, and actions that are stored already. `trials` are kept with those they belong to.
     ///
     /// # Errors
-    /// [`RegistryError::Refused`] with everything found wrong and its lines,
+    /// [`RegistryError::Refused`] with everything found wrong and its places,
     /// [`RegistryError::AlreadyExist`] with [`ImportPolicy::Refuse`], or the database's.
-    pub fn import_toml(
+    pub fn import_text(
         &mut self,
         text: &str,
         policy: ImportPolicy,
+        trials: &Trials,
     ) -> Result<ImportReport, RegistryError> {
-        let actions = TomlActions::read(text).map_err(RegistryError::Refused)?;
         let transaction = self.begin_write()?;
-        let report = write::import(&transaction, &self.place, &actions, policy)?;
+        let report = write::import(&transaction, &self.place, text, policy, trials)?;
         self.commit(transaction)?;
         Ok(report)
     }
 
-    /// What [`Registry::import_toml`] would find wrong with a text; nothing is stored, and
-    /// actions that exist already are no finding.
+    /// Checks a text as an import would, warnings included, and compiles its actions. Nothing is
+    /// stored, and actions that exist already are no finding.
     ///
     /// # Errors
     /// The database's only.
-    pub fn check_toml(&self, text: &str) -> Result<Vec<Finding>, RegistryError> {
-        let actions = match TomlActions::read(text) {
-            Ok(actions) => actions,
-            Err(Findings(findings)) => return Ok(findings),
-        };
-        // Never committed: the same code that imports tells what is wrong.
-        let transaction = self.begin_write()?;
-        match write::import(&transaction, &self.place, &actions, ImportPolicy::Replace) {
-            Ok(_) => Ok(Vec::new()),
-            Err(RegistryError::Refused(Findings(findings))) => Ok(findings),
-            Err(other) => Err(other),
-        }
+    pub fn check_text(&self, text: &str) -> Result<CheckedText, RegistryError> {
+        let transaction = self.begin_read()?;
+        write::check(&transaction, &self.place, text)
     }
 
-    /// The actions of `names` as TOML, in that order, each once; `with_played` adds behind them
+    /// The texts of the actions of `names`, in that order, each once; `with_played` adds behind them
     /// whatever they play, so that another registry can import the text.
     ///
     /// # Errors
     /// As of [`Registry::get`].
-    pub fn export_toml(&self, names: &[&str], with_played: bool) -> Result<String, RegistryError> {
-        let transaction = self.begin_read()?;
-        let mut drafts: Vec<ActionDraft> = Vec::with_capacity(names.len());
-        for name in names {
-            if drafts.iter().all(|draft| draft.name != **name) {
-                drafts.push(self.live_action(&transaction, name)?.draft);
-            }
-        }
-        if with_played {
-            let played = self.all_played(&transaction, &drafts)?;
-            drafts.extend(played);
-        }
-        Ok(write_toml(&drafts))
+    pub fn export_text(&self, names: &[&str], with_played: bool) -> Result<String, RegistryError> {
+        let texts = self.export(names, with_played)?.into_iter().map(|action| action.text);
+        Ok(texts.map(|text| text + "\n").collect::<Vec<_>>().join("\n"))
     }
 
-    /// Every action as TOML, in alphabetical order.
+    /// The text of every action, in alphabetical order.
     ///
     /// # Errors
     /// The database's, naming the path.
-    pub fn export_all_toml(&self) -> Result<String, RegistryError> {
-        let transaction = self.begin_read()?;
-        let names = read::live_names(&transaction).map_err(|error| self.place.error(error))?;
-        let mut drafts = Vec::with_capacity(names.len());
-        for name in &names {
-            drafts.push(self.live_action(&transaction, name)?.draft);
-        }
-        Ok(write_toml(&drafts))
+    pub fn export_all_text(&self) -> Result<String, RegistryError> {
+        let names = read::live_names(&self.connection).map_err(|error| self.place.error(error))?;
+        self.export_text(&names.iter().map(String::as_str).collect::<Vec<_>>(), false)
     }
 
-    fn live_action(&self, connection: &Connection, name: &str) -> Result<Action, RegistryError> {
-        let found = read::action_row(connection, name).map_err(|error| self.place.error(error))?;
-        match found.filter(|row| !row.removed) {
-            Some(row) => read::action(connection, &row, row.latest_version)
-                .map_err(|error| self.place.error(error)),
-            None => Err(self.unknown(connection, name, false)),
+    /// The actions of `names`, in that order, each once, and behind them in alphabetical order what
+    /// they play, where asked for.
+    fn export(&self, names: &[&str], with_played: bool) -> Result<Vec<Action>, RegistryError> {
+        let transaction = self.begin_read()?;
+        let mut actions: Vec<Action> = Vec::with_capacity(names.len());
+        for name in names {
+            let row = self.live_row(&transaction, name)?;
+            if actions.iter().all(|action| action.name != row.name) {
+                actions.push(self.action(&transaction, &row, row.latest_version)?);
+            }
+        }
+        if with_played {
+            let mut played: BTreeMap<String, Action> = BTreeMap::new();
+            let mut waiting: Vec<String> = actions.iter().flat_map(played_by).collect();
+            while let Some(name) = waiting.pop() {
+                if played.contains_key(&name) || actions.iter().any(|action| action.name == name) {
+                    continue;
+                }
+                let row = self.live_row(&transaction, &name)?;
+                let action = self.action(&transaction, &row, row.latest_version)?;
+                waiting.extend(played_by(&action));
+                played.insert(name, action);
+            }
+            actions.extend(played.into_values());
+        }
+        Ok(actions)
+    }
+
+    fn compile_with(
+        &self,
+        connection: &Connection,
+        draft: &ActionDraft,
+        options: &CompileOptions,
+        text: &str,
+    ) -> Result<CompiledAction, RegistryError> {
+        let stored = Stored::new(connection);
+        let compiled = compile(draft, &stored, options);
+        let compiled = stored.sound(compiled).map_err(|error| self.place.error(error))?;
+        compiled.map_err(|finding| RegistryError::Refused(Findings::new(text, vec![finding])))
+    }
+
+    fn action(
+        &self,
+        connection: &Connection,
+        row: &ActionRow,
+        version: u32,
+    ) -> Result<Action, RegistryError> {
+        read::action(connection, row, version).map_err(|error| self.place.error(error))
+    }
+
+    /// The row of an action in force.
+    fn live_row(&self, connection: &Connection, name: &str) -> Result<ActionRow, RegistryError> {
+        match self.named(connection, name)? {
+            Some(row) if !row.removed => Ok(row),
+            _ => Err(self.unknown(connection, name, false)),
+        }
+    }
+
+    /// The row of an action, removed or not.
+    fn row(&self, connection: &Connection, name: &str) -> Result<ActionRow, RegistryError> {
+        self.named(connection, name)?.ok_or_else(|| self.unknown(connection, name, true))
+    }
+
+    fn named(
+        &self,
+        connection: &Connection,
+        name: &str,
+    ) -> Result<Option<ActionRow>, RegistryError> {
+        let error = |error| self.place.error(error);
+        let Some(hash) = name.strip_prefix('#') else {
+            return read::action_row(connection, name).map_err(error);
+        };
+        let is_hash = hash.len() >= CONTENT_HASH_MIN
+            && hash.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
+        if !is_hash {
+            return Ok(None);
+        }
+        // Several actions may do the same; the first by name stands for them.
+        match read::names_of_hash(connection, hash).map_err(error)?.first() {
+            Some(name) => read::action_row(connection, name).map_err(error),
+            None => Ok(None),
         }
     }
 
@@ -293,16 +379,6 @@ impl Registry {
             Ok(suggestion) => RegistryError::UnknownAction { name: name.to_owned(), suggestion },
             Err(error) => self.place.error(error),
         }
-    }
-
-    /// Whatever `drafts` play, directly or not, except themselves. What is not stored is left out:
-    /// compiling tells who plays it.
-    fn all_played(
-        &self,
-        connection: &Connection,
-        drafts: &[ActionDraft],
-    ) -> Result<Vec<ActionDraft>, RegistryError> {
-        read::all_played(connection, drafts).map_err(|error| self.place.error(error))
     }
 
     /// One snapshot for all that a call reads.
@@ -320,6 +396,11 @@ impl Registry {
     fn commit(&self, transaction: Transaction<'_>) -> Result<(), RegistryError> {
         transaction.commit().map_err(|error| self.place.error(error))
     }
+}
+
+fn played_by(action: &Action) -> Vec<String> {
+    let draft = action.draft().unwrap_or_default();
+    draft.played().into_iter().map(str::to_owned).collect()
 }
 
 /// The file, for errors that name it.

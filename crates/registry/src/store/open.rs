@@ -6,26 +6,53 @@ use std::time::{Duration, Instant};
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 use rusqlite_migration::{HookError, M, Migrations};
 
-use super::{BUSY_TIMEOUT_MS, Place, Registry, write};
+use super::{BUSY_TIMEOUT_MS, Place, Registry, convert, write};
 use crate::error::RegistryError;
-use crate::text::TomlActions;
 
 /// Set in the header by the first migration: `RSRR`.
 const APPLICATION_ID: i64 = 0x5253_5252;
 
 /// How many schemas there are; the newest is in force.
-const SCHEMA: i64 = 1;
+const SCHEMA: i64 = 2;
 
 /// The seed library, in the form that is imported.
-const SEED: &str = include_str!("../../seed/actions.toml");
+const SEED: &str = include_str!("../../seed/actions.rsa");
+/// The actions of the first seed library, which had no parameters yet: where the user has not edited
+/// them, a later library renews them.
+const FIRST_SEEDS: [&str; 16] = [
+    "stand",
+    "stride-forward",
+    "walk-forward",
+    "stride-backward",
+    "walk-backward",
+    "turn-left",
+    "turn-right",
+    "wave",
+    "bow",
+    "grip-right",
+    "release-right",
+    "grip-left",
+    "release-left",
+    "pick-up",
+    "throw",
+    "dance",
+];
 /// Which seed library this is: one more with each that brings new actions.
-const SEED_GENERATION: i64 = 1;
+const SEED_GENERATION: i64 = 2;
 
 fn migrations() -> Migrations<'static> {
-    Migrations::new(vec![M::up_with_hook(
-        include_str!("../../migrations/0001_actions.sql"),
-        not_done_by_another::<1>,
-    )])
+    Migrations::new(vec![
+        M::up_with_hook(
+            include_str!("../../migrations/0001_actions.sql"),
+            not_done_by_another::<1>,
+        ),
+        M::up_with_hook(include_str!("../../migrations/0002_language.sql"), |transaction| {
+            not_done_by_another::<2>(transaction)?;
+            convert::write_texts(transaction)?;
+            transaction.execute_batch(include_str!("../../migrations/0002_language_end.sql"))?;
+            Ok(())
+        }),
+    ])
 }
 
 /// Fails a migration that another process did between our look at the schema number and our turn
@@ -55,6 +82,25 @@ pub(super) fn open(path: &Path) -> Result<Registry, RegistryError> {
     let place = Place { path };
     let connection = Connection::open_with_flags(&place.path, flags);
     prepare(connection.map_err(|error| place.error(error))?, place)
+}
+
+pub(super) fn open_read_only(path: &Path) -> Result<Registry, RegistryError> {
+    let path = std::path::absolute(path).map_err(|error| RegistryError::CannotOpen {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })?;
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let place = Place { path };
+    let connection = Connection::open_with_flags(&place.path, flags);
+    let connection = connection.map_err(|error| place.error(error))?;
+    let error = |error| place.error(error);
+    connection.busy_timeout(Duration::from_millis(BUSY_TIMEOUT_MS)).map_err(error)?;
+    connection.pragma_update(None, "trusted_schema", "OFF").map_err(error)?;
+    let schema = schema_of(&connection, &place)?;
+    if schema < SCHEMA {
+        return Err(RegistryError::TooOld { path: place.path, file_schema: schema });
+    }
+    Ok(Registry { connection, place })
 }
 
 pub(super) fn open_in_memory() -> Result<Registry, RegistryError> {
@@ -160,11 +206,10 @@ fn seed(connection: &Connection, place: &Place) -> Result<(), RegistryError> {
     if generation(connection).map_err(error)? >= SEED_GENERATION {
         return Ok(());
     }
-    let seeds = TomlActions::read(SEED).map_err(RegistryError::Refused)?;
     let transaction =
         Transaction::new_unchecked(connection, TransactionBehavior::Immediate).map_err(error)?;
     if generation(&transaction).map_err(error)? < SEED_GENERATION {
-        write::add_unknown(&transaction, place, &seeds)?;
+        write::seed(&transaction, place, SEED, &FIRST_SEEDS)?;
         transaction
             .execute("UPDATE registry SET seed_generation = ?", [SEED_GENERATION])
             .map_err(error)?;

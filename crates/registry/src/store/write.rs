@@ -1,126 +1,232 @@
 //! The one writer of actions. Everything here runs inside a transaction of the caller's.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use rusqlite::{Connection, Error};
 
-use super::{ImportPolicy, ImportReport, Place, read};
-use crate::action::{ActionDraft, ActionStep};
-use crate::draft_check::check_draft;
+use super::known::{Derived, Stored};
+use super::{ImportPolicy, ImportReport, Place, Trials, read};
+use crate::check::{CheckedText, Finding, Findings, check_text};
 use crate::error::RegistryError;
-use crate::problem::{Finding, Findings, Problem};
-use crate::suggest::closest;
-use crate::text::TomlActions;
+use crate::language::{ActionDraft, ParsedAction, StatementKind, parse_text};
 
-/// Stores each of `drafts` as a new version, checks the whole, and returns the versions.
-///
-/// On an error the caller drops the transaction.
-pub(super) fn store(
-    connection: &Connection,
-    place: &Place,
-    drafts: &[&ActionDraft],
-) -> Result<Vec<u32>, RegistryError> {
-    let findings: Vec<Finding> = drafts.iter().flat_map(|draft| check_draft(draft)).collect();
-    refuse(findings)?;
-    let error = |error| place.error(error);
-    let now_ms = now_ms();
-    // All names first: actions stored together may play each other in any order.
-    let mut written = Vec::with_capacity(drafts.len());
-    for draft in drafts {
-        written.push(next_version(connection, draft, now_ms).map_err(error)?);
-    }
-    let mut findings = Vec::new();
-    for (draft, (id, version)) in drafts.iter().zip(&written) {
-        let unknown = write_version(connection, draft, *id, *version, now_ms).map_err(error)?;
-        findings.extend(unknown);
-    }
-    if findings.iter().any(|finding| matches!(finding.problem, Problem::UnknownAction { .. })) {
-        suggest(connection, place, &mut findings)?;
-    }
-    refuse(findings)?;
-    check_whole(connection, place, drafts)?;
-    Ok(written.into_iter().map(|(_, version)| version).collect())
+/// A new version of an action, ready to be written.
+struct NewVersion<'a> {
+    draft: &'a ActionDraft,
+    /// The action's part of the text.
+    source: &'a str,
+    warnings: Vec<String>,
+    trial: Option<&'a str>,
 }
 
-/// As of [`Registry::import_toml`](super::Registry::import_toml), without the commit.
+/// Checks a text and stores its actions, each as a new version; on an error the caller drops the
+/// transaction.
 pub(super) fn import(
     connection: &Connection,
     place: &Place,
-    actions: &TomlActions,
+    text: &str,
     policy: ImportPolicy,
+    trials: &Trials,
 ) -> Result<ImportReport, RegistryError> {
     let error = |error| place.error(error);
+    let checked = check(connection, place, text)?;
+    if checked.findings.has_errors() {
+        return Err(RegistryError::Refused(checked.findings));
+    }
     let mut report = ImportReport::default();
-    let mut drafts = Vec::new();
-    for draft in &actions.drafts {
-        let found = read::action_row(connection, &draft.name).map_err(error)?;
-        let name = draft.name.clone();
-        match found.filter(|row| !row.removed) {
-            None => report.added.push(name),
+    let mut versions = Vec::new();
+    for action in &checked.actions {
+        let name = action.parsed.draft.name.text.clone();
+        let source = source_of(text, &action.parsed);
+        let found = read::action_row(connection, &name).map_err(error)?;
+        match found {
+            None => report.added.push(name.clone()),
+            Some(row) if row.removed => report.added.push(name.clone()),
             Some(row) => {
-                let stored = read::action(connection, &row, row.latest_version).map_err(error)?;
-                if stored.draft == *draft {
+                let stored = read::source(connection, row.id, row.latest_version).map_err(error)?;
+                if stored == source {
                     report.unchanged.push(name);
                     continue;
                 }
-                report.replaced.push(name);
+                report.replaced.push(name.clone());
             }
         }
-        drafts.push(draft);
+        let warnings = checked.findings.warnings();
+        let own = warnings.filter(|finding| finding.action.as_deref() == Some(name.as_str()));
+        versions.push(NewVersion {
+            draft: &action.parsed.draft,
+            source,
+            warnings: own.map(|finding| format!("{}: {}", finding.rule, finding.message)).collect(),
+            trial: trials.get(&name).map(String::as_str),
+        });
     }
     if policy == ImportPolicy::Refuse && !report.replaced.is_empty() {
         return Err(RegistryError::AlreadyExist { names: report.replaced });
     }
-    store_located(connection, place, actions, &drafts)?;
+    store(connection, place, text, &versions)?;
     Ok(report)
 }
 
-/// Stores those of `actions` whose names were never used, removed or not.
-pub(super) fn add_unknown(
+/// Puts in those actions of the seed library `text` that are new here, and renews those among `renewed`
+/// that are as the first library left them. What does not fit to what the user has made of the others
+/// is left out.
+pub(super) fn seed(
     connection: &Connection,
     place: &Place,
-    actions: &TomlActions,
+    text: &str,
+    renewed: &[&str],
 ) -> Result<(), RegistryError> {
-    let mut drafts = Vec::new();
-    for draft in &actions.drafts {
-        let found =
-            read::action_row(connection, &draft.name).map_err(|error| place.error(error))?;
-        if found.is_none() {
-            drafts.push(draft);
+    let error = |error| place.error(error);
+    let mut kept: BTreeMap<String, String> = BTreeMap::new();
+    for action in parse_text(text).actions {
+        let name = &action.draft.name.text;
+        let found = read::action_row(connection, name).map_err(error)?;
+        let is_wanted = found.is_none_or(|row| {
+            row.latest_version == 1 && !row.removed && renewed.contains(&name.as_str())
+        });
+        if is_wanted {
+            kept.insert(name.clone(), source_of(text, &action).to_owned());
         }
     }
-    store_located(connection, place, actions, &drafts)
+    while !kept.is_empty() {
+        let text = kept.values().cloned().collect::<Vec<_>>().join("\n\n");
+        connection.execute_batch("SAVEPOINT seed").map_err(error)?;
+        let imported = import(connection, place, &text, ImportPolicy::Replace, &Trials::new());
+        let end = if imported.is_ok() { "RELEASE seed" } else { "ROLLBACK TO seed; RELEASE seed" };
+        connection.execute_batch(end).map_err(error)?;
+        match imported {
+            Ok(_) => return Ok(()),
+            Err(RegistryError::Refused(findings)) => {
+                let refused: Vec<_> =
+                    findings.errors().filter_map(|it| it.action.as_deref()).collect();
+                let before = kept.len();
+                kept.retain(|name, _| !refused.contains(&name.as_str()));
+                if kept.len() == before {
+                    return Ok(());
+                }
+            }
+            Err(other) => return Err(other),
+        }
+    }
+    Ok(())
+}
+
+/// What the checker finds in a text, with the actions that are stored.
+pub(super) fn check(
+    connection: &Connection,
+    place: &Place,
+    text: &str,
+) -> Result<CheckedText, RegistryError> {
+    let stored = Stored::new(connection);
+    let checked = check_text(text, &stored);
+    stored.sound(checked).map_err(|error| place.error(error))
+}
+
+/// The text of an action with the comments above it; it ends with a new line.
+fn source_of<'a>(text: &'a str, action: &ParsedAction) -> &'a str {
+    text.get(action.span.start..action.span.end).unwrap_or(text)
+}
+
+fn store(
+    connection: &Connection,
+    place: &Place,
+    text: &str,
+    versions: &[NewVersion<'_>],
+) -> Result<(), RegistryError> {
+    let error = |error| place.error(error);
+    let now_ms = now_ms();
+    // All names first: actions stored together may play each other in any order.
+    let mut written = Vec::with_capacity(versions.len());
+    for version in versions {
+        written.push(next_version(connection, &version.draft.name.text, now_ms).map_err(error)?);
+    }
+    for (new, &(id, version)) in versions.iter().zip(&written) {
+        write_version(connection, new, id, version, now_ms).map_err(error)?;
+    }
+    let ids: Vec<i64> = written.iter().map(|(id, _)| *id).collect();
+    let refused = renew(connection, &ids).map_err(error)?;
+    match refused {
+        None => Ok(()),
+        Some((name, finding)) => Err(refusal(text, versions, &name, finding)),
+    }
+}
+
+/// The refusal of something that would no longer compile: one of what was to be stored, or an action
+/// that plays it.
+fn refusal(text: &str, versions: &[NewVersion<'_>], name: &str, finding: Finding) -> RegistryError {
+    let own = versions.iter().any(|version| version.draft.name.text == name);
+    let finding = if own {
+        finding
+    } else {
+        let span = versions.first().map(|version| version.draft.name.span).unwrap_or_default();
+        let message =
+            format!("the action `{name}`, which plays it, would be wrong: {}", finding.message);
+        Finding { message, span, also: Vec::new(), ..finding }.label("")
+    };
+    RegistryError::Refused(Findings::new(text, vec![finding]))
+}
+
+/// Renews what is derived of the actions of `ids` and of all that play them. The first that can no
+/// longer be compiled, if any.
+pub(super) fn renew(
+    connection: &Connection,
+    ids: &[i64],
+) -> Result<Option<(String, Finding)>, Error> {
+    let mut affected: BTreeMap<i64, String> = BTreeMap::new();
+    let mut order = Vec::new();
+    let mut waiting: Vec<(i64, String)> = Vec::new();
+    for id in ids {
+        let name = connection
+            .prepare_cached("SELECT name FROM action WHERE id = ?")?
+            .query_row([id], |row| row.get(0))?;
+        waiting.push((*id, name));
+    }
+    let mut next = 0;
+    while let Some((id, name)) = waiting.get(next).cloned() {
+        next += 1;
+        if affected.insert(id, name.clone()).is_none() {
+            order.push((id, name));
+            waiting.extend(read::users(connection, id)?);
+        }
+    }
+    let stored = Stored::new(connection);
+    for (id, name) in order {
+        let Some(draft) = crate::expand::KnownActions::draft(&stored, &name) else {
+            stored.sound(())?;
+            continue;
+        };
+        match stored.derive(&draft)? {
+            Ok(derived) => write_derived(connection, id, &derived)?,
+            Err(finding) => return Ok(Some((name, finding))),
+        }
+    }
+    Ok(None)
+}
+
+fn write_derived(connection: &Connection, id: i64, derived: &Derived) -> Result<(), Error> {
+    let Derived { compiled, content_hash } = derived;
+    let duration_ms = i64::try_from(compiled.duration_ms).unwrap_or(i64::MAX);
+    let step_count = i64::try_from(compiled.steps.len()).unwrap_or(i64::MAX);
+    connection
+        .prepare_cached(
+            "UPDATE action SET duration_ms = ?, step_count = ?, joints = ?, content_hash = ?
+             WHERE id = ?",
+        )?
+        .execute((duration_ms, step_count, compiled.joints(), content_hash, id))
+        .map(|_| ())
 }
 
 pub(super) fn remove(connection: &Connection, id: i64) -> Result<(), Error> {
     let mut statement =
         connection.prepare_cached("UPDATE action SET removed_ms = ? WHERE id = ?")?;
-    statement.execute((now_ms(), id)).map(|_| ())
-}
-
-fn store_located(
-    connection: &Connection,
-    place: &Place,
-    actions: &TomlActions,
-    drafts: &[&ActionDraft],
-) -> Result<(), RegistryError> {
-    match store(connection, place, drafts) {
-        Err(RegistryError::Refused(Findings(mut findings))) => {
-            actions.locate(&mut findings);
-            Err(RegistryError::Refused(Findings(findings)))
-        }
-        other => other.map(|_| ()),
-    }
+    statement.execute((now_ms(), id))?;
+    forget_words(connection, id)
 }
 
 /// Makes or renews the row of an action; returns its id and the version to be written.
-fn next_version(
-    connection: &Connection,
-    draft: &ActionDraft,
-    now_ms: i64,
-) -> Result<(i64, u32), Error> {
-    if let Some(row) = read::action_row(connection, &draft.name)? {
+fn next_version(connection: &Connection, name: &str, now_ms: i64) -> Result<(i64, u32), Error> {
+    if let Some(row) = read::action_row(connection, name)? {
         let version = row.latest_version.saturating_add(1);
         let mut statement = connection.prepare_cached(
             "UPDATE action SET latest_version = ?, removed_ms = NULL WHERE id = ?",
@@ -131,99 +237,92 @@ fn next_version(
         let mut statement = connection.prepare_cached(
             "INSERT INTO action (name, created_ms, latest_version) VALUES (?, ?, 1)",
         )?;
-        Ok((statement.insert((&draft.name, now_ms))?, 1))
+        Ok((statement.insert((name, now_ms))?, 1))
     }
 }
 
-/// Writes a version with its steps; returns what it plays that cannot be played.
 fn write_version(
     connection: &Connection,
-    draft: &ActionDraft,
+    new: &NewVersion<'_>,
     id: i64,
     version: u32,
     now_ms: i64,
-) -> Result<Vec<Finding>, Error> {
-    let mut findings = Vec::new();
+) -> Result<(), Error> {
+    let NewVersion { draft, source, warnings, trial } = new;
+    let warnings = serde_json::Value::from(warnings.as_slice()).to_string();
+    let tags = tags_of(draft).join(" ");
     connection
         .prepare_cached(
-            "INSERT INTO action_version (action_id, version, saved_ms, description, tags)
-             VALUES (?, ?, ?, ?, ?)",
+            "INSERT INTO action_version
+                 (action_id, version, saved_ms, description, tags, source, warnings, trial)
+             VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
         )?
-        .execute((id, version, now_ms, &draft.description, draft.tags.join(" ")))?;
-    let mut insert_step = connection.prepare_cached(
-        "INSERT INTO action_step
-             (action_id, version, place, times, duration_ms, ending_bumpers, played_action_id)
-         VALUES (?, ?, ?, ?, ?, ?, ?)",
-    )?;
-    let mut insert_primitive = connection.prepare_cached(
-        "INSERT INTO step_primitive (action_id, version, place, joint, primitive)
-         VALUES (?, ?, ?, ?, ?)",
-    )?;
-    for (place, step) in (1_u16..).zip(&draft.steps) {
-        match step {
-            ActionStep::Move { pose, duration_ms, ending_bumpers, times } => {
-                let bumpers = ending_bumpers.bits();
-                let step = (id, version, place, times, duration_ms, bumpers, None::<i64>);
-                insert_step.execute(step)?;
-                for primitive in pose.primitives() {
-                    let joint = primitive.joint().index();
-                    insert_primitive.execute((id, version, place, joint, primitive.number()))?;
-                }
-            }
-            ActionStep::Play { action, times } => {
-                let played = read::action_row(connection, action)?.filter(|row| !row.removed);
-                let problem = match played {
-                    Some(row) if row.id != id => {
-                        let none = None::<i64>;
-                        insert_step.execute((id, version, place, times, none, none, row.id))?;
-                        continue;
-                    }
-                    Some(_) => Problem::Cycle { path: vec![action.clone(); 2] },
-                    None => Problem::UnknownAction { name: action.clone(), suggestion: None },
-                };
-                findings.push(Finding::of(&draft.name, Some(usize::from(place)), problem));
-            }
+        .execute((id, version, now_ms, &draft.description, tags, source, warnings, trial))?;
+    for played in draft.played() {
+        // The check has found every one of them.
+        if let Some(row) = read::action_row(connection, played)? {
+            connection
+                .prepare_cached(
+                    "INSERT INTO action_play (action_id, version, played_action_id) VALUES (?, ?, ?)",
+                )?
+                .execute((id, version, row.id))?;
         }
     }
-    Ok(findings)
+    index_words(connection, id, draft, source)
 }
 
-/// Refuses circles and actions beyond bounds, also those that play what was stored.
-fn check_whole(
-    connection: &Connection,
-    place: &Place,
-    drafts: &[&ActionDraft],
-) -> Result<(), RegistryError> {
-    let known = read::known_actions(connection).map_err(|error| place.error(error))?;
-    let stored: BTreeSet<&str> = drafts.iter().map(|draft| draft.name.as_str()).collect();
-    // What was stored goes first, so that a circle is told as seen from there.
-    let (mut roots, others): (Vec<usize>, Vec<usize>) = (0..known.rows.len())
-        .partition(|index| stored.contains(known.rows[*index].summary.name.as_str()));
-    roots.extend(others);
-    let sizes = known.graph.measure(&roots).map_err(|finding| refusal(vec![finding]))?;
-    refuse(known.graph.beyond_bounds(&sizes))
+fn tags_of(draft: &ActionDraft) -> Vec<&str> {
+    draft.tags.iter().map(|tag| tag.text.as_str()).collect()
 }
 
-fn suggest(
-    connection: &Connection,
-    place: &Place,
-    findings: &mut [Finding],
-) -> Result<(), RegistryError> {
-    let names = read::live_names(connection).map_err(|error| place.error(error))?;
-    for finding in findings {
-        if let Problem::UnknownAction { name, suggestion } = &mut finding.problem {
-            *suggestion = closest(name, names.iter().map(String::as_str));
-        }
-    }
+fn forget_words(connection: &Connection, id: i64) -> Result<(), Error> {
+    connection.prepare_cached("DELETE FROM action_tag WHERE action_id = ?")?.execute([id])?;
+    connection.prepare_cached("DELETE FROM action_words WHERE rowid = ?")?.execute([id])?;
     Ok(())
 }
 
-fn refuse(findings: Vec<Finding>) -> Result<(), RegistryError> {
-    if findings.is_empty() { Ok(()) } else { Err(refusal(findings)) }
+/// Writes what an action in force is found by.
+pub(super) fn index_words(
+    connection: &Connection,
+    id: i64,
+    draft: &ActionDraft,
+    source: &str,
+) -> Result<(), Error> {
+    forget_words(connection, id)?;
+    for tag in tags_of(draft).into_iter().collect::<BTreeSet<_>>() {
+        connection
+            .prepare_cached("INSERT INTO action_tag (tag, action_id) VALUES (?, ?)")?
+            .execute((tag, id))?;
+    }
+    let mut words: Vec<&str> = draft.played().into_iter().collect();
+    draft.visit(&mut |statement| {
+        if let StatementKind::Label { name } = &statement.kind {
+            words.push(&name.text);
+        }
+    });
+    words
+        .extend(source.lines().filter_map(|line| line.split_once('#').map(|(_, comment)| comment)));
+    connection
+        .prepare_cached(
+            "INSERT INTO action_words (rowid, name, description, tags, words) VALUES (?, ?, ?, ?, ?)",
+        )?
+        .execute((
+            id,
+            &draft.name.text,
+            &draft.description,
+            tags_of(draft).join(" "),
+            words.join(" "),
+        ))
+        .map(|_| ())
 }
 
-fn refusal(findings: Vec<Finding>) -> RegistryError {
-    RegistryError::Refused(Findings(findings))
+/// Writes everything derived of an action in force anew.
+pub(super) fn reindex(connection: &Connection, id: i64, source: &str) -> Result<(), Error> {
+    let parsed = parse_text(source);
+    match parsed.actions.first().filter(|_| parsed.findings.is_empty()) {
+        Some(action) => index_words(connection, id, &action.draft, source),
+        None => Ok(()),
+    }
 }
 
 /// A clock before 1970 counts as 1970.

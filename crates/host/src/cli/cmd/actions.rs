@@ -5,6 +5,7 @@ mod check;
 mod edit;
 mod list;
 mod remove;
+mod save;
 mod show;
 mod text;
 mod transfer;
@@ -20,8 +21,8 @@ use crate::cli::registry::RegistryOptions;
 
 /// List, write and exchange actions
 ///
-/// An action is a row of steps: motion primitives that run together for a time, pauses, or other actions, each with
-/// repeats. Every change is a new version; the old ones are kept. A new registry knows the actions that an owner
+/// An action is a text in the action language: steps of motion primitives that run together for a time, waits, other
+/// actions, repeats and more (docs/actions.md). Every change is a new version; the old ones are kept. A new registry knows the actions that an owner
 /// expects: stand, walk-forward, wave, bow, dance and more.
 #[derive(Debug, Args)]
 #[command(
@@ -33,7 +34,7 @@ Examples:
   rsapien actions show walk-forward
   rsapien actions add greet right-arm-up:600 wave right-arm-down:600 --description \"says hello\"
   rsapien actions edit greet
-  rsapien actions export greet > greet.toml"
+  rsapien actions export greet > greet.rsa"
 )]
 pub(crate) struct Cmd {
     #[command(flatten)]

@@ -3,7 +3,8 @@
 use std::io::Write;
 
 use clap::Args;
-use rsapien_registry::{ActionDraft, ActionStep, CompileOptions, compile};
+use rsapien_registry::language::StatementKind;
+use rsapien_registry::{ActionDraft, CompileOptions, Finding, NoActions, Statement, compile};
 
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
@@ -39,9 +40,10 @@ impl Cmd {
             .map(|(number, text)| {
                 step(text).map_err(|failure| failure.within(&format!("step {number} ({text})")))
             })
-            .collect::<Result<Vec<ActionStep>>>()?;
+            .collect::<Result<Vec<Statement>>>()?;
         let draft = ActionDraft::new("steps", steps);
-        let compiled = compile(&draft, &[], CompileOptions::default())?;
+        let compiled = compile(&draft, &NoActions, &CompileOptions::default())
+            .map_err(|finding| refused(&finding))?;
         let open = robot::open(context, "do", self.pace)?;
         let mut motion = open.ready_motion(context, out)?;
         performance::play(context, out, &open, &mut motion, None, &compiled.steps)
@@ -49,23 +51,31 @@ impl Cmd {
 }
 
 /// The step that a text means; the name of an action means none here.
-fn step(text: &str) -> Result<ActionStep> {
-    let refused = |problem: rsapien_registry::Problem| Failure::new(problem.to_string());
-    let step = ActionStep::parse_short(text).map_err(refused)?;
-    match step.played() {
-        None => Ok(step),
-        Some(name) => {
-            // Read as a primitive, the word gets the advice that a primitive's name would.
-            let problem = ActionStep::parse_short(&format!("{name}:1")).err();
-            let message = problem.map_or_else(
-                || format!("{name:?} is no motion primitive"),
-                |problem| problem.to_string(),
-            );
-            Err(Failure::new(message).hint(format!(
-                "rsapien actions list --primitives lists them; if it is an action: rsapien play {name}"
-            )))
-        }
+fn step(text: &str) -> Result<Statement> {
+    let step = Statement::parse_short(text).map_err(|finding| refused(&finding))?;
+    let Some(name) = played(&step) else { return Ok(step) };
+    // Read as a primitive, the word gets the advice that a primitive's name would.
+    let failure = Statement::parse_short(&format!("{name}:1")).err().map_or_else(
+        || Failure::new(format!("{name:?} is no motion primitive")),
+        |finding| refused(&finding),
+    );
+    Err(failure.hint(format!(
+        "rsapien actions list --primitives lists them; if it is an action: rsapien play {name}"
+    )))
+}
+
+/// The action that a step plays, once or repeated.
+fn played(step: &Statement) -> Option<&str> {
+    match &step.kind {
+        StatementKind::Play(play) => Some(&play.action.text),
+        StatementKind::Repeat { body, .. } => body.iter().find_map(played),
+        _ => None,
     }
+}
+
+/// The failure of something that the checker refuses.
+fn refused(finding: &Finding) -> Failure {
+    Failure::new(finding.in_words())
 }
 
 #[cfg(test)]

@@ -4,9 +4,10 @@ use std::io::Write;
 
 use clap::Args;
 use rsapien_registry::CompileOptions;
+use rsapien_registry::language::{Value, parse_value};
 
 use crate::cli::context::Context;
-use crate::cli::diagnostics::Result;
+use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
 use crate::cli::performance;
 use crate::cli::registry::RegistryOptions;
@@ -23,11 +24,16 @@ Examples:
   rsapien play wave
   rsapien play walk-forward --times 3 --speed 0.8
   rsapien play dance --link virtual
+  rsapien play wave rounds=4 --mirrored
   rsapien actions list                    which actions there are")]
 pub(crate) struct Cmd {
     /// Name of the action
     #[arg(value_name = "ACTION")]
     action: String,
+
+    /// Values of its parameters; the others have their defaults. Times are written as 650ms, 1.5s or 2min
+    #[arg(value_name = "PARAMETER=VALUE")]
+    arguments: Vec<String>,
 
     /// How often in a row, 1 to 1000
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -36,6 +42,10 @@ pub(crate) struct Cmd {
     /// How fast, 0.1 to 10: durations are divided by it. Motors run no faster, so that joints may not arrive
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     speed: f64,
+
+    /// Left for right
+    #[arg(long)]
+    mirrored: bool,
 
     #[command(flatten)]
     pace: PaceOptions,
@@ -46,10 +56,29 @@ pub(crate) struct Cmd {
 
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
-        let options = CompileOptions { times: self.times, speed: self.speed };
-        let compiled = self.registry.open()?.compile(&self.action, options)?;
+        let arguments = self.arguments.iter().map(|text| argument(text)).collect::<Result<_>>()?;
+        let options = CompileOptions {
+            times: self.times,
+            speed: self.speed,
+            mirrored: self.mirrored,
+            arguments,
+        };
+        let compiled = self.registry.open()?.compile(&self.action, &options)?;
         let open = robot::open(context, &format!("play {}", self.action), self.pace)?;
         let mut motion = open.ready_motion(context, out)?;
         performance::play(context, out, &open, &mut motion, Some(&self.action), &compiled.steps)
     }
+}
+
+/// The parameter and the value of `rounds=3`.
+pub(crate) fn argument(text: &str) -> Result<(String, Value)> {
+    let Some((name, value)) = text.split_once('=') else {
+        return Err(Failure::new(format!("{text:?} is no value of a parameter"))
+            .hint("write PARAMETER=VALUE, as in rounds=3 or hold=650ms"));
+    };
+    let value = parse_value(value.trim()).map_err(|finding| {
+        let help = finding.help.as_deref().unwrap_or_default();
+        Failure::new(format!("{}: {}", name.trim(), finding.message)).hint(help)
+    })?;
+    Ok((name.trim().to_owned(), value))
 }

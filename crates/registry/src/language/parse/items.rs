@@ -92,7 +92,7 @@ impl Parser<'_> {
     fn tags(&mut self, draft: &mut ActionDraft) {
         self.next();
         loop {
-            let Some(tag) = self.word("a tag", "as in `tags greeting, arms`") else {
+            let Some(tag) = self.tag() else {
                 self.skip_statement();
                 return;
             };
@@ -101,6 +101,16 @@ impl Parser<'_> {
                 return;
             }
         }
+    }
+
+    /// A tag may begin with a digit.
+    fn tag(&mut self) -> Option<Word> {
+        if let TokenKind::Number { digits, unit } = &self.peek().kind {
+            let text = format!("{digits}{unit}");
+            let span = self.next().span;
+            return Some(Word { text, span });
+        }
+        self.word("a tag", "as in `tags greeting, arms`")
     }
 
     fn allowance(&mut self, start: Span, draft: &mut ActionDraft) {

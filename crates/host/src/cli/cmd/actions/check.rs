@@ -4,23 +4,25 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use rsapien_registry::Registry;
+use rsapien_registry::check::{self, CheckedText};
+use rsapien_registry::{Finding, Findings, Registry};
 
 use super::text;
 use crate::cli::context::Context;
 use crate::cli::diagnostics::Result;
 use crate::cli::exit::Status;
-use crate::cli::output::json_line;
+use crate::cli::output::{Screen, json_line};
 
-/// Tell what is wrong with TOML files of actions, without storing anything
+/// Tell what is wrong with files of actions, without storing anything
 ///
-/// Everything found is told with its line, action and step. The exit status is 1 when something is wrong.
+/// Everything found is told with its place and what to do; docs/rules.md explains each rule. Errors refuse an action,
+/// warnings do not. The exit status is 1 when there is an error.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Example:
-  rsapien actions check dances.toml")]
+  rsapien actions check dances.rsa")]
 pub(super) struct Cmd {
-    /// TOML files; `-` is the standard input
+    /// Files in the action language; `-` is the standard input
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 }
@@ -34,32 +36,40 @@ impl Cmd {
     ) -> Result<Status> {
         let mut status = Status::Done;
         for file in &self.files {
-            let findings = registry.check_toml(&text::read(file)?)?;
-            if !findings.is_empty() {
+            let CheckedText { actions, findings } = registry.check_text(&text::read(file)?)?;
+            if findings.has_errors() {
                 status = Status::Refused;
             }
-            let name = file.display();
+            let name = file.display().to_string();
             if context.style.json {
-                let findings: Vec<_> = findings
-                    .iter()
-                    .map(|finding| {
-                        serde_json::json!({
-                            "line": finding.line,
-                            "action": finding.action,
-                            "step": finding.step,
-                            "problem": finding.problem.to_string(),
-                        })
-                    })
-                    .collect();
-                json_line(out, &serde_json::json!({"file": file, "findings": findings}))?;
-            } else if findings.is_empty() {
-                writeln!(out, "{name}: nothing wrong")?;
+                let list: Vec<_> =
+                    findings.list.iter().map(|finding| json(&findings, finding)).collect();
+                json_line(out, &serde_json::json!({"file": file, "findings": list}))?;
+            } else if findings.list.is_empty() {
+                let what = match actions.len() {
+                    1 => "1 action".to_owned(),
+                    count => format!("{count} actions"),
+                };
+                writeln!(out, "{name}: {what}, nothing wrong")?;
             } else {
-                for finding in findings {
-                    writeln!(out, "{name}: {finding}")?;
-                }
+                let with_colour = context.style.output == Screen::Color;
+                write!(out, "{}", check::render(&findings, &name, with_colour))?;
             }
         }
         Ok(status)
     }
+}
+
+/// A finding for programs.
+fn json(findings: &Findings, finding: &Finding) -> serde_json::Value {
+    let (line, column) = findings.place(finding.span);
+    serde_json::json!({
+        "severity": finding.severity().name(),
+        "rule": finding.rule.name(),
+        "message": finding.message,
+        "line": line,
+        "column": column,
+        "action": finding.action,
+        "help": finding.help,
+    })
 }

@@ -7,15 +7,16 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use clap::Args;
-use rsapien_registry::{ActionDraft, Registry, read_toml, write_toml};
+use rsapien_registry::{ImportPolicy, Registry, parse_text};
 
+use super::save;
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
 
 /// Change an action in a text editor
 ///
-/// Opens the action's TOML text in $VISUAL or $EDITOR (vi where neither is set) and saves it as a new version once the
+/// Opens the action's text in $VISUAL or $EDITOR (vi where neither is set) and saves it as a new version once the
 /// editor has ended. A text with mistakes is not saved: it is kept in a file that the message names.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -35,7 +36,7 @@ impl Cmd {
         out: &mut impl Write,
     ) -> Result<Status> {
         let before = registry.get(&self.name)?;
-        let path = scratch_file(&self.name, &write_toml(std::slice::from_ref(&before.draft)))?;
+        let path = scratch_file(&self.name, &format!("{}\n", before.text))?;
         run_editor(&path)?;
         let text =
             fs::read_to_string(&path).map_err(|error| Failure::file("read", &path, &error))?;
@@ -45,15 +46,18 @@ impl Cmd {
                 path.display()
             ))
         };
-        let draft = the_action(&self.name, &text).map_err(kept)?;
-        if draft == before.draft {
+        check_name(&before.name, &text, &path).map_err(kept)?;
+        if text.trim() == before.text.trim() {
             discard(&path);
             let answer =
                 serde_json::json!({"name": self.name, "version": before.version, "changed": false});
             context.style.answer(out, &answer, format_args!("{} is unchanged", self.name))?;
             return Ok(Status::Done);
         }
-        let version = registry.save(&draft).map_err(|error| kept(error.into()))?;
+        let file_name = path.display().to_string();
+        let policy = ImportPolicy::Replace;
+        save::save_text(context, &mut registry, &text, &file_name, policy).map_err(kept)?;
+        let version = registry.get(&before.name)?.version;
         discard(&path);
         let answer = serde_json::json!({"name": self.name, "version": version, "changed": true});
         context.style.answer(
@@ -65,18 +69,20 @@ impl Cmd {
     }
 }
 
-/// The one action that the text has to hold, under its old name.
-fn the_action(name: &str, text: &str) -> Result<ActionDraft> {
-    let mut drafts =
-        read_toml(text).map_err(|findings| Failure::new(findings.to_string()))?.into_iter();
-    match (drafts.next(), drafts.next()) {
-        (Some(draft), None) if draft.name == name => Ok(draft),
-        (Some(draft), None) => Err(Failure::new(format!(
+/// Refuses a text that does not hold one action under its old name.
+fn check_name(name: &str, text: &str, path: &Path) -> Result<()> {
+    let parsed = parse_text(text);
+    let file_name = path.display().to_string();
+    let actions =
+        parsed.into_actions(text).map_err(|findings| Failure::findings(findings, &file_name))?;
+    match actions.as_slice() {
+        [action] if action.draft.name.text == name => Ok(()),
+        [action] => Err(Failure::new(format!(
             "the action is called {:?} now, and {name:?} was edited",
-            draft.name
+            action.draft.name.text
         ))),
-        (None, _) => Err(Failure::new("the text has no action")),
-        (Some(_), Some(_)) => Err(Failure::new("the text has more than one action")),
+        [] => Err(Failure::new("the text has no action")),
+        _ => Err(Failure::new("the text has more than one action")),
     }
 }
 
@@ -85,7 +91,7 @@ fn scratch_file(name: &str, text: &str) -> Result<PathBuf> {
     let folder = env::temp_dir();
     let mut number = std::process::id();
     loop {
-        let path = folder.join(format!("rsapien-{name}-{number}.toml"));
+        let path = folder.join(format!("rsapien-{name}-{number}.rsa"));
         let created = fs::OpenOptions::new().write(true).create_new(true).open(&path);
         match created.and_then(|mut file| file.write_all(text.as_bytes())) {
             Ok(()) => return Ok(path),

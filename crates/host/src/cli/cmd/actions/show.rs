@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use clap::Args;
-use rsapien_registry::{CompileOptions, Registry, write_toml};
+use rsapien_registry::{CompileOptions, Registry};
 
 use super::text::{date, seconds};
 use crate::cli::context::Context;
@@ -51,7 +51,8 @@ impl Cmd {
             return Ok(Status::Done);
         }
         // An old version may play actions that are gone; then its length is not known.
-        let compiled = registry.compile_draft(&action.draft, CompileOptions::default()).ok();
+        let draft = action.draft().unwrap_or_default();
+        let compiled = registry.compile_draft(&draft, &CompileOptions::default()).ok();
         let lasts = compiled.map_or(String::new(), |compiled| {
             let steps = match compiled.steps.len() {
                 1 => "1 step".to_owned(),
@@ -60,7 +61,7 @@ impl Cmd {
             format!(", {steps} in {}", seconds(compiled.duration_ms))
         });
         writeln!(out, "# version {} of {}{lasts}", action.version, date(action.changed_ms))?;
-        write!(out, "{}", write_toml(std::slice::from_ref(&action.draft)))?;
+        writeln!(out, "{}", action.text)?;
         Ok(Status::Done)
     }
 
@@ -75,12 +76,11 @@ impl Cmd {
             json_line(out, &versions)?;
             return Ok(Status::Done);
         }
-        let mut table = Table::new(&["version", "saved", "steps", "description"]);
+        let mut table = Table::new(&["version", "saved", "description"]);
         for version in &versions {
             table.row([
                 version.version.to_string(),
                 date(version.changed_ms),
-                version.step_count.to_string(),
                 version.description.lines().next().unwrap_or_default().to_owned(),
             ]);
         }

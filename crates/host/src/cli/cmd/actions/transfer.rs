@@ -5,23 +5,23 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use rsapien_registry::{ImportPolicy, ImportReport, Registry};
+use rsapien_registry::{ImportPolicy, Registry};
 
-use super::text;
+use super::save;
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
 
-/// Import the actions of TOML files
+/// Import the actions of files
 ///
 /// All of a file or none. An action that exists with other content is refused unless --replace is given.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  rsapien actions import dances.toml
-  rsapien actions import --replace dances.toml")]
+  rsapien actions import dances.rsa
+  rsapien actions import --replace dances.rsa")]
 pub(super) struct Import {
-    /// TOML files; `-` is the standard input
+    /// Files in the action language; `-` is the standard input
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 
@@ -30,12 +30,12 @@ pub(super) struct Import {
     replace: bool,
 }
 
-/// Export actions as TOML
+/// Export actions as text
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  rsapien actions export > all.toml
-  rsapien actions export dance --with-played --out dance.toml")]
+  rsapien actions export > all.rsa
+  rsapien actions export dance --with-played --out dance.rsa")]
 pub(super) struct Export {
     /// Names of the actions; all when none is given
     #[arg(value_name = "ACTION")]
@@ -59,8 +59,7 @@ impl Import {
     ) -> Result<Status> {
         let policy = if self.replace { ImportPolicy::Replace } else { ImportPolicy::Refuse };
         for file in &self.files {
-            let report = registry.import_toml(&text::read(file)?, policy)?;
-            tell_import(context, out, &report)?;
+            save::save(context, &mut registry, out, file, policy)?;
         }
         Ok(Status::Done)
     }
@@ -74,10 +73,10 @@ impl Export {
         out: &mut impl Write,
     ) -> Result<Status> {
         let text = if self.names.is_empty() {
-            registry.export_all_toml()?
+            registry.export_all_text()?
         } else {
             let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
-            registry.export_toml(&names, self.with_played)?
+            registry.export_text(&names, self.with_played)?
         };
         match &self.out {
             Some(path) => {
@@ -86,32 +85,10 @@ impl Export {
                 context.style.answer(out, &answer, format_args!("wrote {}", path.display()))?;
             }
             None if context.style.json => {
-                context.style.answer(out, &serde_json::json!({"toml": text}), "")?;
+                context.style.answer(out, &serde_json::json!({"text": text}), "")?;
             }
             None => out.write_all(text.as_bytes())?,
         }
         Ok(Status::Done)
     }
-}
-
-/// What an import did.
-pub(super) fn tell_import(
-    context: &Context,
-    out: &mut impl Write,
-    report: &ImportReport,
-) -> Result<Status> {
-    let parts = [
-        ("added", &report.added),
-        ("new version of", &report.replaced),
-        ("unchanged", &report.unchanged),
-    ];
-    let lines: Vec<String> = parts
-        .iter()
-        .filter(|(_, names)| !names.is_empty())
-        .map(|(what, names)| format!("{what} {}", names.join(", ")))
-        .collect();
-    let text =
-        if lines.is_empty() { "the text has no action".to_owned() } else { lines.join("\n") };
-    context.style.answer(out, report, text)?;
-    Ok(if lines.is_empty() { Status::Refused } else { Status::Done })
 }

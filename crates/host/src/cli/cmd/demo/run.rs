@@ -85,7 +85,7 @@ pub(super) fn run(
         0 => None,
         times => {
             let options = CompileOptions { times, ..CompileOptions::default() };
-            let steps = Registry::open_in_memory()?.compile(WALK, options)?.steps;
+            let steps = Registry::open_in_memory()?.compile(WALK, &options)?.steps;
             let played = performance::run(context, &open, &mut motion, &steps)?;
             open.interrupt.check()?;
             // A bumper that ended the walk holds the robot; what follows moves the head alone.

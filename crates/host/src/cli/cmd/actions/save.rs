@@ -1,0 +1,76 @@
+//! Saving texts of actions: checked, and told what was found.
+
+use std::io::Write;
+use std::path::Path;
+
+use rsapien_registry::{
+    Findings, ImportPolicy, ImportReport, Registry, RegistryError, Trials, check,
+};
+
+use super::text;
+use crate::cli::context::Context;
+use crate::cli::diagnostics::{Failure, Result};
+use crate::cli::exit::Status;
+use crate::cli::output::Screen;
+
+/// Saves the actions of a file and tells what was done.
+pub(super) fn save(
+    context: &Context,
+    registry: &mut Registry,
+    out: &mut impl Write,
+    file: &Path,
+    policy: ImportPolicy,
+) -> Result<Status> {
+    let file_name = file.display().to_string();
+    let report = save_text(context, registry, &text::read(file)?, &file_name, policy)?;
+    tell_import(context, out, &report)
+}
+
+/// Saves the actions of a text; warnings go to the standard error.
+pub(super) fn save_text(
+    context: &Context,
+    registry: &mut Registry,
+    text: &str,
+    file_name: &str,
+    policy: ImportPolicy,
+) -> Result<ImportReport> {
+    let checked = registry.check_text(text)?;
+    if checked.findings.has_errors() {
+        return Err(Failure::findings(checked.findings, file_name));
+    }
+    let report =
+        registry.import_text(text, policy, &Trials::new()).map_err(|error| match error {
+            RegistryError::Refused(findings) => Failure::findings(findings, file_name),
+            other => other.into(),
+        })?;
+    warn(context, &checked.findings, file_name);
+    Ok(report)
+}
+
+/// Shows warnings; a reader of JSON finds them with the action.
+fn warn(context: &Context, findings: &Findings, file_name: &str) {
+    if !context.style.json {
+        let with_colour = context.style.error == Screen::Color;
+        let text = check::render(findings, file_name, with_colour);
+        // When even the standard error is gone, the action is stored all the same.
+        let _ = std::io::stderr().write_all(text.as_bytes());
+    }
+}
+
+/// What an import did.
+fn tell_import(context: &Context, out: &mut impl Write, report: &ImportReport) -> Result<Status> {
+    let parts = [
+        ("added", &report.added),
+        ("new version of", &report.replaced),
+        ("unchanged", &report.unchanged),
+    ];
+    let lines: Vec<String> = parts
+        .iter()
+        .filter(|(_, names)| !names.is_empty())
+        .map(|(what, names)| format!("{what} {}", names.join(", ")))
+        .collect();
+    let text =
+        if lines.is_empty() { "the text has no action".to_owned() } else { lines.join("\n") };
+    context.style.answer(out, report, text)?;
+    Ok(if lines.is_empty() { Status::Refused } else { Status::Done })
+}

@@ -11,6 +11,7 @@ pub mod expand;
 #[cfg(feature = "store")]
 mod hash;
 pub mod language;
+pub mod motion;
 #[cfg(feature = "store")]
 mod store;
 mod suggest;

@@ -115,7 +115,6 @@ fn drafts() -> impl Strategy<Value = Vec<ActionDraft>> {
                 default,
                 span: Span::default(),
             };
-            type Part = ((String, std::collections::BTreeSet<String>), Vec<Statement>);
             let draft = |(index, ((description, tags), body)): (usize, Part)| ActionDraft {
                 name: Word::new(format!("n{index}")),
                 parameters: vec![
@@ -130,6 +129,9 @@ fn drafts() -> impl Strategy<Value = Vec<ActionDraft>> {
             (0_usize..).zip(parts).map(draft).collect()
         })
 }
+
+/// Description and tags, and the statements.
+type Part = ((String, std::collections::BTreeSet<String>), Vec<Statement>);
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]

@@ -127,8 +127,8 @@ fn what_would_spoil_another_action_is_refused_and_nothing_is_stored() {
         assert!(findings.to_string().contains("`a`, which plays it"), "{findings}");
     }
     import(&mut registry, "action long { play c times 1000 }").unwrap();
-    let long = format!("action c {{ repeat 101 {{ wait 1ms }} }}");
-    assert_eq!(rules(import(&mut registry, &long)), [Rule::OutOfRange]);
+    let long = "action c { repeat 101 { wait 1ms } }";
+    assert_eq!(rules(import(&mut registry, long)), [Rule::OutOfRange]);
     assert_eq!(registry.history("c").unwrap().len(), 1);
     assert_eq!(registry.history("b").unwrap().len(), 1);
 }

@@ -1,7 +1,9 @@
 //! The checker: rules, and what breaks them.
 
+mod allow;
 mod finding;
 mod form;
+mod motion;
 mod render;
 mod rule;
 mod text;

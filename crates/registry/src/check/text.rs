@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::allow::silence;
 use super::form::form_findings;
+use super::motion::motion_findings;
 use super::{Finding, Findings, Rule, Severity};
 use crate::compiled::CompiledAction;
 use crate::expand::{CompileOptions, KnownActions, compile};
@@ -16,6 +18,8 @@ pub struct CheckedText {
     pub actions: Vec<CheckedAction>,
     /// Everything that was found.
     pub findings: Findings,
+    /// What the actions silence.
+    pub silenced: Vec<Finding>,
 }
 
 /// An action that was checked.
@@ -49,6 +53,7 @@ pub fn check_text(text: &str, known: &dyn KnownActions) -> CheckedText {
     }
     // What is wrong by itself cannot be compiled, and would be told a second time.
     let is_sound = findings.iter().all(|finding| finding.severity() != Severity::Error);
+    let mut silenced = Vec::new();
     let overlay = Overlay { own: &own, known };
     let actions = parsed
         .actions
@@ -59,10 +64,16 @@ pub fn check_text(text: &str, known: &dyn KnownActions) -> CheckedText {
             }
             let compiled = compile(&parsed.draft, &overlay, &CompileOptions::default());
             let compiled = compiled.map_err(|finding| findings.push(finding)).ok();
+            if let Some(compiled) = &compiled {
+                let found = motion_findings(&parsed.draft, compiled);
+                let (remaining, own_silenced) = silence(&parsed.draft, found);
+                findings.extend(remaining);
+                silenced.extend(own_silenced);
+            }
             CheckedAction { parsed, compiled }
         })
         .collect();
-    CheckedText { actions, findings: Findings::new(text, findings) }
+    CheckedText { actions, findings: Findings::new(text, findings), silenced }
 }
 
 /// The actions of a text before those that are stored.

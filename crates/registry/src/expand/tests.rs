@@ -8,8 +8,9 @@ use rsapien_protocol::{BumperMask, Step};
 #[track_caller]
 fn compiled(text: &str) -> CompiledAction {
     let checked = check_text(text, &NoActions);
-    let errors: Vec<_> = checked.findings.errors().collect();
-    assert!(errors.is_empty(), "{}", checked.findings);
+    // Here joints need not arrive.
+    let errors = checked.findings.errors().filter(|finding| finding.rule != Rule::TooShort).count();
+    assert_eq!(errors, 0, "{}", checked.findings);
     checked.actions.into_iter().last().unwrap().compiled.unwrap()
 }
 

@@ -148,6 +148,19 @@ pub enum Error {
         /// The limit in ms.
         limit_ms: u64,
     },
+    /// An action has no label of that name.
+    #[error(
+        "the action {action} has no label {label:?}{}",
+        if names.is_empty() { "; it has none at all".to_owned() } else { format!("; its labels are {}", names.join(", ")) }
+    )]
+    UnknownLabel {
+        /// The action.
+        action: String,
+        /// The label asked for.
+        label: String,
+        /// Its labels.
+        names: Vec<String>,
+    },
     /// An argument is out of its range; nothing was sent.
     #[error("{what} {value} is out of range: {range}")]
     OutOfRange {

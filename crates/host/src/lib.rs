@@ -69,12 +69,16 @@ pub use address::LinkAddress;
 pub use control::{CameraController, MotionController, SensorsController};
 pub use error::Error;
 pub use lock::{Holder, LineLock};
-pub use player::{CancelToken, Outcome, PlayOptions, PlayReport, Progress, ProgressSink};
+pub use player::{
+    CancelToken, Outcome, PauseSwitch, PlayOptions, PlayReport, Progress, ProgressSink, StepReached,
+};
 pub use ports::{PortInformation, Probe, ProbeResult, find_robot, list_ports, probe_ports};
 pub use record::{PackageRecord, PackageSink};
 pub use robot::{Robot, RobotOptions, StopHandle};
 /// Bytes, packages, joints, primitives, steps, reports: the vocabulary of the link.
 pub use rsapien_protocol as protocol;
+/// Compiled actions, and the language they are written in.
+pub use rsapien_registry as registry;
 /// The virtual robot: its world, its camera, its faults.
 #[cfg(feature = "virtual")]
 pub use rsapien_sim as sim;

@@ -12,10 +12,19 @@
 //!   Done                 from any of them: Refused, Interrupted, Unknown
 //! ```
 //!
+//! A compiled action is performed in sections between its waits for bumpers, each played as above:
+//!
+//! ```text
+//!   section ── done ──► wait ── pressed ──► section ── ... ── the last section is done ──► Done
+//!      │                 └─ in vain ──► goes on, ends, or plays another action instead
+//!      └─ a bumper is met ──► ends, or plays another action instead
+//! ```
+//!
 //! An action is done when the robot itself says so: its count of ended steps has grown by the
 //! steps sent, it is idle, and it was neither stopped, held nor reset in between.
 
 mod outcome;
+mod perform;
 mod run;
 
 use std::sync::Arc;
@@ -23,9 +32,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rsapien_protocol::Step;
 
-pub use outcome::{Outcome, PlayReport, Progress};
+pub use outcome::{Outcome, PlayReport, Progress, StepReached};
 
 pub(crate) use outcome::interruption;
+pub(crate) use perform::perform;
 pub(crate) use run::play;
 
 use crate::Error;
@@ -53,6 +63,36 @@ impl CancelToken {
     }
 }
 
+/// Pauses an action from another thread: no further step is sent, so that the robot stands at the end
+/// of a step, motors off; and lets it go on. With a switch in its options, a player queues one step
+/// ahead only, so that a pause takes effect at the end of the step after the one under way at latest.
+#[derive(Clone, Debug, Default)]
+pub struct PauseSwitch {
+    paused: Arc<AtomicBool>,
+}
+
+impl PauseSwitch {
+    /// A switch that is not set.
+    pub fn new() -> PauseSwitch {
+        PauseSwitch::default()
+    }
+
+    /// Pauses what is played with this switch or a clone of it.
+    pub fn pause(&self) {
+        self.paused.store(true, Ordering::SeqCst);
+    }
+
+    /// Lets it go on.
+    pub fn resume(&self) {
+        self.paused.store(false, Ordering::SeqCst);
+    }
+
+    /// Whether it is set.
+    pub fn is_paused(&self) -> bool {
+        self.paused.load(Ordering::SeqCst)
+    }
+}
+
 /// Is told how far an action is.
 pub type ProgressSink<'a> = Box<dyn FnMut(&Progress) + Send + 'a>;
 
@@ -60,6 +100,10 @@ pub type ProgressSink<'a> = Box<dyn FnMut(&Progress) + Send + 'a>;
 pub struct PlayOptions<'a> {
     /// Ends it.
     pub cancel: CancelToken,
+    /// Pauses it; none for a player that queues as much as the robot takes.
+    pub pause: Option<PauseSwitch>,
+    /// The label from which a compiled action is played; from its beginning where none is given.
+    pub from_label: Option<String>,
     /// Is called when the action begins, and whenever the robot has ended a step.
     pub on_progress: Option<ProgressSink<'a>>,
     /// Whether to wait, when the last step has ended, until joints still under way have arrived.
@@ -69,7 +113,13 @@ pub struct PlayOptions<'a> {
 impl Default for PlayOptions<'_> {
     /// Not cancelled, silent, waiting for rest.
     fn default() -> Self {
-        PlayOptions { cancel: CancelToken::new(), on_progress: None, wait_for_rest: true }
+        PlayOptions {
+            cancel: CancelToken::new(),
+            pause: None,
+            from_label: None,
+            on_progress: None,
+            wait_for_rest: true,
+        }
     }
 }
 

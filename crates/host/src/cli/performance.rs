@@ -5,6 +5,7 @@ use std::io::Write;
 use std::sync::PoisonError;
 
 use rsapien_protocol::{Joint, Step};
+use rsapien_registry::CompiledAction;
 use rsapien_sim::geometry::RobotPose;
 
 use super::context::Context;
@@ -13,45 +14,75 @@ use super::exit::Status;
 use super::progress;
 use super::robot::OpenRobot;
 use super::view;
-use crate::{Interruption, MotionController, Outcome, PlayOptions, PlayReport};
+use crate::{Interruption, MotionController, Outcome, PlayOptions, PlayReport, Progress};
 
-/// Plays `steps` and tells how they ended; `name` is the action they are, if they are one.
+/// Plays `action` and tells how it ended; `name` is what it is called, if it has a name.
 pub(crate) fn play(
     context: &Context,
     out: &mut impl Write,
     open: &OpenRobot,
     motion: &mut MotionController,
     name: Option<&str>,
-    steps: &[Step],
+    action: &CompiledAction,
+    from_label: Option<&str>,
 ) -> Result<Status> {
     let before = pose(open);
-    let report = run(context, open, motion, steps)?;
+    let report = run(context, open, motion, action, from_label)?;
     if open.interrupt.is_raised() {
         return Err(Failure::interrupted());
     }
-    let (word, detail, status) = outcome(&report.outcome);
-    let answer = serde_json::json!({
-        "action": name,
+    let (_, _, status) = outcome(&report.outcome);
+    let mut answer = json(&report);
+    answer["action"] = name.into();
+    let name = name.map_or(String::new(), |name| format!("{name}: "));
+    context.style.answer(out, &answer, format!("{name}{}", in_words(&report)))?;
+    if let (Some(before), Some(after)) = (before, pose(open)) {
+        context.style.remark(out, what_moved(&action.steps, &before, &after))?;
+    }
+    Ok(status)
+}
+
+/// A report for programs.
+fn json(report: &PlayReport) -> serde_json::Value {
+    let (word, detail, _) = outcome(&report.outcome);
+    serde_json::json!({
+        "action": report.action,
         "outcome": word,
         "detail": detail,
         "steps_ended": report.steps_ended,
         "steps_total": report.steps_total,
         "elapsed_ms": report.elapsed_ms,
+        "reached": report.reached.as_ref().map(|reached| serde_json::json!({
+            "step": reached.number,
+            "action": &*reached.source.action,
+            "step_of_action": reached.source.step,
+        })),
+        "instead": report.instead.as_ref().map(|instead| json(instead)),
+        "motion_before": report.before.as_ref().map(view::motion),
         "motion": report.evidence.as_ref().map(view::motion),
-    });
-    let name = name.map_or(String::new(), |name| format!("{name}: "));
+    })
+}
+
+/// `interrupted by bumper left-hand (2 of 7 steps, 1.4 s, in step 3); instead back-off: done (...)`.
+fn in_words(report: &PlayReport) -> String {
+    let (word, detail, _) = outcome(&report.outcome);
     let detail = detail.map_or(String::new(), |detail| format!(" {detail}"));
-    let text = format!(
-        "{name}{word}{detail} ({} of {} steps, {})",
-        report.steps_ended,
-        report.steps_total,
-        view::seconds(report.elapsed_ms)
-    );
-    context.style.answer(out, &answer, text)?;
-    if let (Some(before), Some(after)) = (before, pose(open)) {
-        context.style.remark(out, what_moved(steps, &before, &after))?;
+    let reached = report.reached.as_ref().map_or(String::new(), |reached| {
+        let source = &reached.source;
+        let within = if *source.action == *report.action {
+            String::new()
+        } else {
+            format!(" of {}", source.action)
+        };
+        format!(", in step {}{within}", source.step)
+    });
+    let (ended, total) = (report.steps_ended, report.steps_total);
+    let elapsed = view::seconds(report.elapsed_ms);
+    let mut text = format!("{word}{detail} ({ended} of {total} steps, {elapsed}{reached})");
+    if let Some(instead) = &report.instead {
+        let _ = write!(text, "; instead {}: {}", instead.action, in_words(instead));
     }
-    Ok(status)
+    text
 }
 
 /// Where the virtual robot stands; nobody knows it of another.
@@ -87,27 +118,40 @@ fn what_moved(steps: &[Step], before: &RobotPose, after: &RobotPose) -> String {
     text
 }
 
-/// Plays `steps` with progress on a terminal.
+/// Plays `action` with progress on a terminal.
 pub(crate) fn run(
     context: &Context,
     open: &OpenRobot,
     motion: &mut MotionController,
-    steps: &[Step],
+    action: &CompiledAction,
+    from_label: Option<&str>,
 ) -> Result<PlayReport> {
     let bar = progress::bar(context.style);
     let mut options = PlayOptions {
         cancel: open.cancel.clone(),
+        from_label: from_label.map(str::to_owned),
         on_progress: Some(Box::new(|progress| {
             bar.set_length(progress.total_ms);
             bar.set_position(progress.elapsed_ms);
-            bar.set_message(format!("step {} of {}", progress.steps_ended, progress.steps_total));
+            bar.set_message(where_it_is(action, progress));
         })),
         ..PlayOptions::default()
     };
-    let report = motion.play(steps, &mut options);
+    let report = motion.perform(action, &mut options);
     drop(options);
     bar.finish_and_clear();
     open.done(report)
+}
+
+/// How far an action is, in words.
+fn where_it_is(action: &CompiledAction, progress: &Progress) -> String {
+    let label = progress.label.and_then(|index| action.labels.get(index));
+    let label = label.map_or(String::new(), |label| format!("{}, ", label.name));
+    if progress.waiting_for.is_empty() {
+        return format!("{label}step {} of {}", progress.steps_ended, progress.steps_total);
+    }
+    let names: Vec<&str> = progress.waiting_for.names().collect();
+    format!("{label}waiting for {}", names.join(" or "))
 }
 
 /// The outcome in a word, with its detail, and the exit status.

@@ -7,6 +7,8 @@ use rsapien_protocol::{
     Request, Step,
 };
 
+use rsapien_registry::CompiledAction;
+
 use super::{Controller, Held, feedback};
 use crate::player::{self, CancelToken, PlayOptions, PlayReport, interruption};
 use crate::robot::Inner;
@@ -104,12 +106,25 @@ impl MotionController {
         player::play(&self.held.inner.line, steps, options)
     }
 
+    /// Plays a compiled action to its end: its steps, its waits for bumpers, and what it does when one
+    /// is met.
+    ///
+    /// # Errors
+    /// As [`play`](MotionController::play), and [`Error::UnknownLabel`].
+    pub fn perform(
+        &mut self,
+        action: &CompiledAction,
+        options: &mut PlayOptions<'_>,
+    ) -> Result<PlayReport, Error> {
+        player::perform(&self.held.inner.line, action, options)
+    }
+
     /// Plays an action of `RoboRegistry` by its name: compiles it, then as
-    /// [`play`](MotionController::play).
+    /// [`perform`](MotionController::perform).
     ///
     /// # Errors
     /// [`Error::Registry`] when there is no such action or it cannot be compiled; otherwise as
-    /// [`play`](MotionController::play).
+    /// [`perform`](MotionController::perform).
     #[cfg(feature = "registry")]
     pub fn play_action(
         &mut self,
@@ -119,7 +134,7 @@ impl MotionController {
         options: &mut PlayOptions<'_>,
     ) -> Result<PlayReport, Error> {
         let action = registry.compile(name, compile)?;
-        self.play(&action.steps, options)
+        self.perform(&action, options)
     }
 
     /// Does motion primitives together for `duration_ms`, and waits for them.

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use rsapien_protocol::{BumperMask, Mode, MotionReport, Status, Step, StopCause};
+use rsapien_registry::StepSource;
 
 use crate::Interruption;
 
@@ -17,6 +18,12 @@ pub struct Progress {
     pub elapsed_ms: u64,
     /// What the steps' durations sum up to, in ms.
     pub total_ms: u64,
+    /// The index of the label that was passed last, among those of the action, if one was.
+    pub label: Option<usize>,
+    /// The bumpers that are waited for; none while steps are played.
+    pub waiting_for: BumperMask,
+    /// Whether it stands still because it was paused.
+    pub is_paused: bool,
 }
 
 /// How an action ended.
@@ -59,11 +66,27 @@ impl fmt::Display for Outcome {
     }
 }
 
+/// The step that was under way when an action ended early.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StepReached {
+    /// Its number among the steps of the action, from 1.
+    pub number: usize,
+    /// Where it is written: the action, and the number of the step in it.
+    pub source: StepSource,
+}
+
 /// How an action ended, with the robot's evidence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlayReport {
     /// How it ended.
     pub outcome: Outcome,
+    /// The step that was under way when a compiled action ended early.
+    pub reached: Option<StepReached>,
+    /// What was played instead of the rest, because a bumper was met or waited for in vain, and how that
+    /// ended. The outcome above stays that of the action itself.
+    pub instead: Option<Box<PlayReport>>,
+    /// The action's name; empty for plain steps.
+    pub action: String,
     /// Steps that the robot has ended, by its own count.
     pub steps_ended: usize,
     /// Steps that the robot has accepted.
@@ -75,6 +98,8 @@ pub struct PlayReport {
     /// How often the robot's queue ran dry before the action's end, because this program or the
     /// line was too slow. The robot stood still then, but did everything in order.
     pub pauses: usize,
+    /// The robot's last report before the first step.
+    pub before: Option<MotionReport>,
     /// The robot's last report.
     pub evidence: Option<MotionReport>,
 }
@@ -83,7 +108,11 @@ pub struct PlayReport {
 impl fmt::Display for PlayReport {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let PlayReport { outcome, steps_ended, steps_total, elapsed_ms, .. } = self;
-        write!(formatter, "{outcome}: {steps_ended} of {steps_total} steps in {elapsed_ms} ms")
+        write!(formatter, "{outcome}: {steps_ended} of {steps_total} steps in {elapsed_ms} ms")?;
+        if let Some(instead) = &self.instead {
+            write!(formatter, "; instead {}: {instead}", instead.action)?;
+        }
+        Ok(())
     }
 }
 

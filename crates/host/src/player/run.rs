@@ -8,7 +8,7 @@ use crate::line::{Answer, Line};
 use crate::{Error, Interruption};
 
 /// How often the state is asked for while the player has nothing to send, in ms.
-const POLL_MS: u64 = 50;
+pub(super) const POLL_MS: u64 = 50;
 /// The shortest sleep, in ms: less than a package takes.
 const SLEEP_MS_MIN: u64 = 5;
 
@@ -33,11 +33,16 @@ pub(crate) fn play(
         accepted: 0,
         ended: 0,
         pauses: 0,
+        was_paused: false,
     };
     run.tell_progress();
     let outcome = run.run()?;
     Ok(PlayReport {
         outcome,
+        reached: None,
+        instead: None,
+        action: String::new(),
+        before: Some(before),
         steps_ended: run.ended,
         steps_accepted: run.accepted,
         steps_total: steps.len(),
@@ -48,7 +53,7 @@ pub(crate) fn play(
 }
 
 /// Asks the motion controller for its state.
-fn ask(line: &Line) -> Result<MotionReport, Error> {
+pub(super) fn ask(line: &Line) -> Result<MotionReport, Error> {
     let package = line.request(Address::Motion, Request::State)?.accepted()?;
     let Report::Motion(report) = package.report else {
         let kind = Request::State.kind();
@@ -89,6 +94,8 @@ struct Run<'a, 'o> {
     accepted: usize,
     ended: usize,
     pauses: usize,
+    /// Whether nothing was sent for a pause since the last step.
+    was_paused: bool,
 }
 
 impl Run<'_, '_> {
@@ -98,8 +105,9 @@ impl Run<'_, '_> {
                 return Ok(self.end_cancelled());
             }
             let next = self.steps.get(self.accepted).copied();
+            let may_send = self.may_send();
             let told = match next {
-                Some(step) if self.accepted == 0 || self.latest.queue_free > 0 => self.send(step),
+                Some(step) if may_send => self.send(step),
                 _ => {
                     self.line.sleep_ms(self.sleep_ms())?;
                     self.ask_twice().map(|report| self.take(report))
@@ -113,6 +121,23 @@ impl Run<'_, '_> {
                 return Ok(outcome);
             }
         }
+    }
+
+    /// Whether the next step may be sent now.
+    fn may_send(&mut self) -> bool {
+        let Some(pause) = &self.options.pause else {
+            return self.accepted == 0 || self.latest.queue_free > 0;
+        };
+        if pause.is_paused() {
+            let stands = self.ended == self.accepted && self.latest.motors == 0;
+            if stands && !self.was_paused {
+                self.was_paused = true;
+                self.tell_progress();
+            }
+            return false;
+        }
+        let has_room = self.accepted == 0 || self.latest.queue_free > 0;
+        has_room && self.accepted < self.ended + 2
     }
 
     /// Sends the next step. The outcome, if that ended the action.
@@ -130,7 +155,9 @@ impl Run<'_, '_> {
                 self.accepted += 1;
                 let outcome = self.take(report);
                 // Every step before it had ended when it came.
-                self.pauses += usize::from(sent_before > 0 && self.ended >= sent_before);
+                let ran_dry = sent_before > 0 && self.ended >= sent_before;
+                self.pauses += usize::from(ran_dry && !self.was_paused);
+                self.was_paused = false;
                 Ok(outcome)
             }
             Status::QueueFull => Ok(self.take(MotionReport { queue_free: 0, ..report })),
@@ -281,6 +308,10 @@ impl Run<'_, '_> {
 
     /// Until the action should have ended, at most until the next poll.
     fn sleep_ms(&self) -> u64 {
+        if self.options.pause.is_some() {
+            // One step ahead only: the next has to come soon after this one has ended.
+            return POLL_MS / 5;
+        }
         let elapsed_ms = self.line.now_ms().saturating_sub(self.begun_ms);
         let left_ms = self.total_ms.saturating_sub(elapsed_ms);
         left_ms.clamp(SLEEP_MS_MIN, POLL_MS)
@@ -292,6 +323,9 @@ impl Run<'_, '_> {
             steps_total: self.steps.len(),
             elapsed_ms: self.line.now_ms().saturating_sub(self.begun_ms),
             total_ms: self.total_ms,
+            label: None,
+            waiting_for: BumperMask::NONE,
+            is_paused: self.was_paused,
         };
         if let Some(on_progress) = self.options.on_progress.as_mut() {
             on_progress(&progress);

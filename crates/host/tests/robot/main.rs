@@ -6,6 +6,7 @@ mod controllers;
 #[cfg(all(unix, feature = "serial"))]
 mod doctor;
 mod links;
+mod perform;
 mod player;
 #[cfg(all(unix, feature = "serial"))]
 mod serial;

@@ -46,7 +46,7 @@ impl Cmd {
             .map_err(|finding| refused(&finding))?;
         let open = robot::open(context, "do", self.pace)?;
         let mut motion = open.ready_motion(context, out)?;
-        performance::play(context, out, &open, &mut motion, None, &compiled.steps)
+        performance::play(context, out, &open, &mut motion, None, &compiled, None)
     }
 }
 

@@ -43,6 +43,10 @@ pub(crate) struct Cmd {
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     speed: f64,
 
+    /// Play from this label of the action on
+    #[arg(long, value_name = "LABEL")]
+    from: Option<String>,
+
     /// Left for right
     #[arg(long)]
     mirrored: bool,
@@ -66,7 +70,8 @@ impl Cmd {
         let compiled = self.registry.open()?.compile(&self.action, &options)?;
         let open = robot::open(context, &format!("play {}", self.action), self.pace)?;
         let mut motion = open.ready_motion(context, out)?;
-        performance::play(context, out, &open, &mut motion, Some(&self.action), &compiled.steps)
+        let from = self.from.as_deref();
+        performance::play(context, out, &open, &mut motion, Some(&self.action), &compiled, from)
     }
 }
 

@@ -36,7 +36,8 @@ impl Cmd {
     ) -> Result<Status> {
         let mut status = Status::Done;
         for file in &self.files {
-            let CheckedText { actions, findings } = registry.check_text(&text::read(file)?)?;
+            let CheckedText { actions, findings, silenced } =
+                registry.check_text(&text::read(file)?)?;
             if findings.has_errors() {
                 status = Status::Refused;
             }
@@ -44,13 +45,22 @@ impl Cmd {
             if context.style.json {
                 let list: Vec<_> =
                     findings.list.iter().map(|finding| json(&findings, finding)).collect();
-                json_line(out, &serde_json::json!({"file": file, "findings": list}))?;
+                let silenced: Vec<_> =
+                    silenced.iter().map(|finding| json(&findings, finding)).collect();
+                let answer =
+                    serde_json::json!({"file": file, "findings": list, "silenced": silenced});
+                json_line(out, &answer)?;
             } else if findings.list.is_empty() {
                 let what = match actions.len() {
                     1 => "1 action".to_owned(),
                     count => format!("{count} actions"),
                 };
-                writeln!(out, "{name}: {what}, nothing wrong")?;
+                let silenced = match silenced.len() {
+                    0 => String::new(),
+                    1 => " (1 warning is silenced with a reason)".to_owned(),
+                    count => format!(" ({count} are silenced with a reason)"),
+                };
+                writeln!(out, "{name}: {what}, nothing wrong{silenced}")?;
             } else {
                 let with_colour = context.style.output == Screen::Color;
                 write!(out, "{}", check::render(&findings, &name, with_colour))?;

@@ -85,8 +85,8 @@ pub(super) fn run(
         0 => None,
         times => {
             let options = CompileOptions { times, ..CompileOptions::default() };
-            let steps = Registry::open_in_memory()?.compile(WALK, &options)?.steps;
-            let played = performance::run(context, &open, &mut motion, &steps)?;
+            let walk = Registry::open_in_memory()?.compile(WALK, &options)?;
+            let played = performance::run(context, &open, &mut motion, &walk, None)?;
             open.interrupt.check()?;
             // A bumper that ended the walk holds the robot; what follows moves the head alone.
             open.done(motion.stop())?;

@@ -62,6 +62,8 @@ mod record;
 mod robot;
 mod state;
 mod stop;
+#[cfg(feature = "trial")]
+pub mod trial;
 #[cfg(feature = "video")]
 pub mod video;
 

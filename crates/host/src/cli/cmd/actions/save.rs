@@ -1,5 +1,6 @@
 //! Saving texts of actions: checked, and told what was found.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
@@ -8,10 +9,12 @@ use rsapien_registry::{
 };
 
 use super::text;
+use crate::CancelToken;
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
 use crate::cli::output::Screen;
+use crate::trial::{Trial, try_on_virtual_body};
 
 /// Saves the actions of a file and tells what was done.
 pub(super) fn save(
@@ -38,20 +41,38 @@ pub(super) fn save_text(
     if checked.findings.has_errors() {
         return Err(Failure::findings(checked.findings, file_name));
     }
-    let report =
-        registry.import_text(text, policy, &Trials::new()).map_err(|error| match error {
-            RegistryError::Refused(findings) => Failure::findings(findings, file_name),
-            other => other.into(),
-        })?;
-    warn(context, &checked.findings, file_name);
+    let trials = try_all(&checked.actions)?;
+    let kept = trials.iter().map(|(name, trial)| Ok((name.clone(), serde_json::to_string(trial)?)));
+    let kept: Trials = kept.collect::<Result<_>>()?;
+    let report = registry.import_text(text, policy, &kept).map_err(|error| match error {
+        RegistryError::Refused(findings) => Failure::findings(findings, file_name),
+        other => other.into(),
+    })?;
+    warn(context, &checked.findings, &trials, file_name);
     Ok(report)
 }
 
-/// Shows warnings; a reader of JSON finds them with the action.
-fn warn(context: &Context, findings: &Findings, file_name: &str) {
+/// Every action on the virtual body; Ctrl-C ends the command, and nothing is stored.
+fn try_all(actions: &[CheckedAction]) -> Result<BTreeMap<String, Trial>> {
+    let mut trials = BTreeMap::new();
+    for compiled in actions.iter().filter_map(|action| action.compiled.as_ref()) {
+        let trial = try_on_virtual_body(compiled, &CancelToken::new())?;
+        trials.insert(compiled.name.clone(), trial);
+    }
+    Ok(trials)
+}
+
+/// Shows warnings, and trials that did not go well; a reader of JSON finds them with the action.
+fn warn(context: &Context, findings: &Findings, trials: &BTreeMap<String, Trial>, file_name: &str) {
     if !context.style.json {
         let with_colour = context.style.error == Screen::Color;
-        let text = check::render(findings, file_name, with_colour);
+        let mut text = check::render(findings, file_name, with_colour);
+        let failed = trials.iter().filter(|(_, trial)| !trial.is_done);
+        text.extend(
+            failed.map(|(name, trial)| {
+                format!("warning: {name}, tried on the virtual body: {trial}\n")
+            }),
+        );
         // When even the standard error is gone, the action is stored all the same.
         let _ = std::io::stderr().write_all(text.as_bytes());
     }

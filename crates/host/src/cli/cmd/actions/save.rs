@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
+use rsapien_registry::check::CheckedAction;
 use rsapien_registry::{
     Findings, ImportPolicy, ImportReport, Registry, RegistryError, Trials, check,
 };

@@ -83,6 +83,11 @@ fn an_action_is_added_shown_edited_exported_and_removed() {
     actions(&user, 0, &["remove", "greet"]);
     actions(&user, 2, &["show", "greet"]).told(&["no action \"greet\""]);
     assert!(actions(&user, 0, &["show", "greet", "--version", "1"]).stdout.contains("for 600ms"));
+    let changes = actions(&user, 1, &["diff", "greet@1", "greet@2"]).stdout;
+    assert!(changes.contains("lasts 600 ms -> 700 ms"), "{changes}");
+    actions(&user, 2, &["diff", "greet@x", "wave"]).told(&["NAME@VERSION"]);
+    assert!(actions(&user, 0, &["restore", "greet", "1"]).stdout.contains("as version 3"));
+    actions(&user, 0, &["remove", "greet"]);
 
     // Back again, through the standard input.
     let mut command = user.command(&["actions", "--registry", "actions.sqlite", "add", "-f", "-"]);
@@ -95,7 +100,7 @@ fn an_action_is_added_shown_edited_exported_and_removed() {
     child.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
     assert_eq!(Run::of_child(child).stdout, "added greet\n");
     let history = actions(&user, 0, &["show", "greet", "--history", "--json"]).json();
-    assert_eq!(history.as_array().unwrap().len(), 3);
+    assert_eq!(history.as_array().unwrap().len(), 4);
 }
 
 #[test]
@@ -137,4 +142,55 @@ fn import_replaces_only_when_told_and_the_environment_names_a_registry() {
     // Without either it is the data folder's.
     assert!(user.expect(0, &["actions", "show", "wave"]).stdout.contains("version 1"));
     assert!(user.path("data/rsapien/registry.sqlite").is_file());
+}
+
+#[test]
+fn actions_are_searched_drawn_played_and_kept() {
+    let user = User::new();
+    let found = actions(&user, 0, &["list", "wave", "left", "--json"]).json();
+    assert_eq!(found[0]["name"], "wave-left");
+    let short = actions(&user, 0, &["list", "--tag", "hands", "--longest", "475ms"]).stdout;
+    assert!(short.contains("grip-left") && !short.contains("pick-up"), "{short}");
+    actions(&user, 1, &["list", "--joint", "tilt", "--shortest", "1min"]);
+    actions(&user, 2, &["list", "--longest", "5"]).told(&["unit"]);
+    actions(&user, 2, &["list", "--joint", "head"]).told(&["right-arm"]);
+
+    let shown = actions(&user, 0, &["show", "shake-hands"]).stdout;
+    for part in ["right-arm", "\u{25b2}", "waits for right-hand", "action shake-hands", "#"] {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    actions(&user, 0, &["show", "wave", "--svg", "wave.svg"]);
+    let svg = std::fs::read_to_string(user.path("wave.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("Waves with the right arm."), "{svg}");
+    let by_hash = found[0]["content_hash"].as_str().unwrap();
+    let name = format!("#{}", &by_hash[..12]);
+    assert!(actions(&user, 0, &["show", &name, "--text"]).stdout.contains("action wave-left"));
+
+    actions(&user, 0, &["add", "tried", "tilt-left:600", "tilt-mid:400"]);
+    let shown = actions(&user, 0, &["show", "tried"]).stdout;
+    assert!(shown.contains("tried on the virtual body: done in 1.0 s"), "{shown}");
+    actions(&user, 0, &["backup", "copy.sqlite"]);
+    actions(&user, 2, &["backup", "copy.sqlite"]).told(&["there already"]);
+    actions(&user, 0, &["remove", "tried"]);
+    actions(&user, 0, &["restore", "--from", "copy.sqlite"]);
+    actions(&user, 0, &["show", "tried"]);
+    assert!(actions(&user, 0, &["verify"]).stdout.contains("nothing wrong"));
+}
+
+#[test]
+fn a_warning_is_told_at_the_save_and_can_be_silenced() {
+    let user = User::new();
+    let text = "action reach { do right-arm-down + right-hand-in do tilt-right }\n";
+    std::fs::write(user.path("reach.rsa"), text).unwrap();
+    let told = actions(&user, 0, &["check", "reach.rsa"]).stdout;
+    assert!(told.contains("warning[arms-meet-trunk]") && told.contains("^^^"), "{told}");
+    let saved = actions(&user, 0, &["import", "reach.rsa"]);
+    assert_eq!(saved.stdout, "added reach\n");
+    saved.told(&["warning[arms-meet-trunk]", "1 warning"]);
+    let shown = actions(&user, 0, &["show", "reach"]).stdout;
+    assert!(shown.contains("warning: arms-meet-trunk"), "{shown}");
+    let silenced = text.replace("{ do", "{ allow arms-meet-trunk \"a soft toy\" do");
+    std::fs::write(user.path("reach.rsa"), silenced).unwrap();
+    let told = actions(&user, 0, &["check", "reach.rsa"]).stdout;
+    assert!(told.contains("nothing wrong (1 warning is silenced"), "{told}");
 }

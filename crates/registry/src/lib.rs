@@ -15,6 +15,7 @@ pub mod motion;
 #[cfg(feature = "store")]
 mod store;
 mod suggest;
+pub mod timeline;
 
 #[cfg(feature = "store")]
 pub use action::{Action, ActionSummary, VersionSummary};
@@ -31,3 +32,4 @@ pub use store::{
     BUSY_TIMEOUT_MS, CONTENT_HASH_MIN, ImportPolicy, ImportReport, Integrity, IntegrityProblem,
     Query, Registry, Trials,
 };
+pub use timeline::Timeline;

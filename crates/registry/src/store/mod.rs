@@ -126,6 +126,16 @@ impl Registry {
         read::summaries(&self.connection).map_err(|error| self.place.error(error))
     }
 
+    /// What a list shows of one action.
+    ///
+    /// # Errors
+    /// As of [`Registry::get`].
+    pub fn summary(&self, name: &str) -> Result<ActionSummary, RegistryError> {
+        let transaction = self.begin_read()?;
+        let row = self.live_row(&transaction, name)?;
+        read::one_summary(&transaction, row.id).map_err(|error| self.place.error(error))
+    }
+
     /// The actions that a query finds: by how well its words fit, or by name where it has no words.
     ///
     /// # Errors

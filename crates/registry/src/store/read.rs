@@ -175,6 +175,15 @@ pub(super) fn summaries(connection: &Connection) -> Result<Vec<ActionSummary>, E
     rows.collect()
 }
 
+pub(super) fn one_summary(connection: &Connection, id: i64) -> Result<ActionSummary, Error> {
+    let mut statement = connection.prepare_cached(&format!(
+        "SELECT {SUMMARY} FROM action AS a
+         JOIN action_version AS v ON v.action_id = a.id AND v.version = a.latest_version
+         WHERE a.id = ?"
+    ))?;
+    statement.query_row([id], summary)
+}
+
 fn words_of(row: &Row, column: usize) -> Result<Vec<String>, Error> {
     let words = row.get_ref(column)?.as_str().map_err(Error::from)?;
     Ok(words.split(' ').filter(|word| !word.is_empty()).map(str::to_owned).collect())

@@ -2,7 +2,9 @@
 
 mod add;
 mod check;
+mod diff;
 mod edit;
+mod keep;
 mod list;
 mod remove;
 mod save;
@@ -54,6 +56,10 @@ enum Command {
     Import(transfer::Import),
     Export(transfer::Export),
     Check(check::Cmd),
+    Diff(diff::Cmd),
+    Restore(keep::Restore),
+    Backup(keep::Backup),
+    Verify(keep::Verify),
 }
 
 impl Cmd {
@@ -68,6 +74,10 @@ impl Cmd {
             Command::Import(cmd) => cmd.run(context, registry, out),
             Command::Export(cmd) => cmd.run(context, &registry, out),
             Command::Check(cmd) => cmd.run(context, &registry, out),
+            Command::Diff(cmd) => cmd.run(context, &registry, out),
+            Command::Restore(cmd) => cmd.run(context, registry, out),
+            Command::Backup(cmd) => cmd.run(context, &registry, out),
+            Command::Verify(cmd) => cmd.run(context, registry, out),
         }
     }
 }

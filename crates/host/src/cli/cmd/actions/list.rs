@@ -3,7 +3,9 @@
 use std::io::Write;
 
 use clap::Args;
-use rsapien_registry::Registry;
+use rsapien_protocol::Joint;
+use rsapien_registry::language::{Value, parse_value};
+use rsapien_registry::{Query, Registry};
 
 use super::text::seconds;
 use crate::cli::context::Context;
@@ -11,22 +13,45 @@ use crate::cli::diagnostics::Result;
 use crate::cli::exit::Status;
 use crate::cli::output::{Table, json_line};
 
-/// List the actions, or the 21 motion primitives they are made of
+/// List the actions, or search them; or list the 21 motion primitives they are made of
 ///
-/// The exit status is 1 when there is none.
+/// Words are looked for in names, descriptions, tags, labels, comments and the names of actions that are played; the
+/// last one may be the beginning of a word. Everything given has to hold. The exit status is 1 when there is none.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   rsapien actions list
-  rsapien actions list --tag walking
+  rsapien actions list wave left
+  rsapien actions list --tag walking --longest 5s
+  rsapien actions list --joint right-hand --joint tilt
   rsapien actions list --primitives")]
 pub(super) struct Cmd {
-    /// Only those with this tag
-    #[arg(long, value_name = "TAG")]
-    tag: Option<String>,
+    /// Words to look for
+    #[arg(value_name = "WORD")]
+    words: Vec<String>,
+
+    /// Only those with this tag; may be given several times
+    #[arg(long = "tag", value_name = "TAG")]
+    tags: Vec<String>,
+
+    /// Only those that move this joint; may be given several times
+    #[arg(long = "joint", value_name = "JOINT", value_parser = joint)]
+    joints: Vec<Joint>,
+
+    /// Only those that last at least so long, such as 800ms or 5s
+    #[arg(long, value_name = "TIME", value_parser = time_ms)]
+    shortest: Option<u64>,
+
+    /// Only those that last at most so long
+    #[arg(long, value_name = "TIME", value_parser = time_ms)]
+    longest: Option<u64>,
+
+    /// At most so many
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    limit: u32,
 
     /// The motion primitives (Table 1 of the paper) instead of the actions
-    #[arg(long, conflicts_with = "tag")]
+    #[arg(long, conflicts_with_all = ["words", "tags", "joints", "shortest", "longest"])]
     primitives: bool,
 }
 
@@ -40,18 +65,19 @@ impl Cmd {
         if self.primitives {
             return list_primitives(context, registry, out);
         }
-        let mut actions = registry.list()?;
-        if let Some(tag) = &self.tag {
-            actions.retain(|action| action.tags.contains(tag));
-        }
+        let actions = registry.search(&Query {
+            text: self.words.join(" "),
+            tags: self.tags,
+            joints: self.joints,
+            duration_ms_min: self.shortest,
+            duration_ms_max: self.longest,
+            limit: self.limit,
+            offset: 0,
+        })?;
         if context.style.json {
             json_line(out, &actions)?;
         } else if actions.is_empty() {
-            writeln!(
-                out,
-                "no action{}",
-                self.tag.map_or(String::new(), |tag| format!(" has the tag {tag}"))
-            )?;
+            writeln!(out, "no action fits; rsapien actions list shows all")?;
         } else {
             let mut table = Table::new(&["name", "version", "  lasts", "tags", "description"]);
             for action in &actions {
@@ -66,6 +92,23 @@ impl Cmd {
             writeln!(out, "{table}")?;
         }
         Ok(if actions.is_empty() { Status::Refused } else { Status::Done })
+    }
+}
+
+fn joint(text: &str) -> std::result::Result<Joint, String> {
+    Joint::ALL.into_iter().find(|joint| joint.name() == text).ok_or_else(|| {
+        let names = Joint::ALL.map(Joint::name).join(", ");
+        format!("the joints are {names}")
+    })
+}
+
+fn time_ms(text: &str) -> std::result::Result<u64, String> {
+    match parse_value(text) {
+        Ok(Value::DurationMs(ms)) => Ok(u64::from(ms)),
+        Ok(Value::Thousandths(_)) => {
+            Err("write a time with its unit, such as 800ms or 5s".to_owned())
+        }
+        Err(finding) => Err(finding.in_words()),
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Timeline {
     pub name: String,
     /// The movements of every joint, and when steps begin.
     pub motion: Motion,
-    /// Places with a name: when, in ms, and the name.
+    /// Places with names: when, in ms, and the names of all that are there.
     pub labels: Vec<(u64, String)>,
     /// Waits for bumpers: when, in ms, for which, and how long at most, in ms.
     pub waits: Vec<(u64, BumperMask, u32)>,
@@ -50,11 +50,22 @@ impl Timeline {
                 _ => endings.push((from_ms, to_ms, step.ending_bumpers)),
             }
         }
-        let labels = action.labels.iter();
+        let mut labels: Vec<(u64, String)> = Vec::new();
+        for label in &action.labels {
+            let at_ms = begin_ms(label.step);
+            match labels.last_mut() {
+                // A wait takes no time here, so that what stands before and behind it coincides.
+                Some((last_ms, names)) if *last_ms == at_ms => {
+                    names.push_str(", ");
+                    names.push_str(&label.name);
+                }
+                _ => labels.push((at_ms, label.name.to_string())),
+            }
+        }
         let waits = action.waits.iter();
         Timeline {
             name: action.name.clone(),
-            labels: labels.map(|it| (begin_ms(it.step), it.name.to_string())).collect(),
+            labels,
             waits: waits.map(|it| (begin_ms(it.before_step), it.bumpers, it.limit_ms)).collect(),
             endings,
             motion,

@@ -199,7 +199,11 @@ impl<'a> Picture<'a> {
 
     fn movement(&mut self, joint: Joint, movement: &Movement, y: &impl Fn(f64) -> f64) {
         let colour = if movement.sense == Sense::First { FIRST } else { LAST };
-        let dashed = if movement.is_certain { "" } else { " stroke-dasharray=\"5 3\"" };
+        let ends = if movement.is_certain {
+            "stroke-linecap=\"round\""
+        } else {
+            "stroke-dasharray=\"4 3\""
+        };
         let [from, to, until] =
             [movement.from_ms, movement.to_ms, movement.motor_until_ms].map(|ms| self.x(ms));
         let (from_y, to_y) = (y(movement.from), y(movement.to));
@@ -209,7 +213,7 @@ impl<'a> Picture<'a> {
         }
         self.put(&format!(
             "<polyline points=\"{points}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"4\" \
-             stroke-linejoin=\"round\" stroke-linecap=\"round\"{dashed}><title>{} to {}, {} ms to {} \
+             stroke-linejoin=\"round\" {ends}><title>{} to {}, {} ms to {} \
              ms</title></polyline>",
             joint.name(),
             target_name(joint, movement),
@@ -273,17 +277,17 @@ impl<'a> Picture<'a> {
             let limit = mark_exact(u64::from(limit_ms));
             let text = format!("waits for {}, at most {limit}", names.join(" or "));
             self.put(&format!(
-                "<rect x=\"{:.1}\" y=\"{top:.1}\" width=\"8\" height=\"{:.1}\" fill=\"#ffffff\" \
+                "<rect x=\"{:.1}\" y=\"{top:.1}\" width=\"14\" height=\"{:.1}\" fill=\"#ffffff\" \
                  stroke=\"{BUMPERS}\" stroke-dasharray=\"4 3\"><title>{text}</title></rect>",
-                x - 4.0,
+                x - 7.0,
                 bottom - top
             ));
             let y = f64::midpoint(top, bottom);
             self.put(&format!(
-                "<text x=\"{:.1}\" y=\"{y:.1}\" font-size=\"10\" fill=\"#202124\" \
+                "<text x=\"{:.1}\" y=\"{y:.1}\" font-size=\"9\" fill=\"#202124\" \
                  text-anchor=\"middle\" transform=\"rotate(-90 {:.1} {y:.1})\">{text}</text>",
-                x + 14.0,
-                x + 14.0
+                x + 3.0,
+                x + 3.0
             ));
         }
     }

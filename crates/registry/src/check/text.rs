@@ -36,10 +36,13 @@ pub struct CheckedAction {
 pub fn check_text(text: &str, known: &dyn KnownActions) -> CheckedText {
     let parsed = parse_text(text);
     let mut findings = parsed.findings;
+    let is_whole = findings.is_empty();
     let mut own: BTreeMap<String, Arc<ActionDraft>> = BTreeMap::new();
     for action in &parsed.actions {
         let name = &action.draft.name;
-        findings.extend(form_findings(&action.draft));
+        // What could not be read is missing, and that is no fault of its own.
+        let of_form = form_findings(&action.draft).into_iter();
+        findings.extend(of_form.filter(|finding| is_whole || finding.rule != Rule::Empty));
         if let Some(first) = own.get(&name.text) {
             let message = format!("the action `{}` is there twice", name.text);
             let finding = Finding::new(Rule::DefinedTwice, name.span, message)

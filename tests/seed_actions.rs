@@ -225,3 +225,13 @@ fn gestures_end_in_a_stable_stand_where_they_began() {
         assert_eq!(throw.times_at_ends(Joint::RightArm), (2, 1), "seed {seed}");
     }
 }
+
+#[test]
+fn the_page_of_actions_shows_the_library() {
+    let page = std::fs::read_to_string(rsapien_tests::workspace().join("docs/actions.md")).unwrap();
+    let [begin, end] = rsapien_tests::library::MARKS;
+    let (_, rest) = page.split_once(begin).unwrap();
+    let (shown, _) = rest.split_once(end).unwrap();
+    let is_same = shown == rsapien_tests::library::library();
+    assert!(is_same, "cargo run -p rsapien-tests --example library-page writes it anew");
+}

@@ -1,6 +1,7 @@
 //! Helpers for the tests across crates.
 
 pub mod firmware;
+pub mod library;
 
 use std::path::{Path, PathBuf};
 

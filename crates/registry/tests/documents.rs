@@ -29,5 +29,5 @@ fn every_example_of_the_language_can_be_imported() {
         assert!(imported.is_ok(), "{text}\n{}", imported.unwrap_err());
         count += 1;
     }
-    assert!(count >= 8, "only {count} examples");
+    assert!(count >= 6, "only {count} examples");
 }

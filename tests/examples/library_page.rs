@@ -1,0 +1,16 @@
+//! Writes the part of `docs/actions.md` that shows the library of a new registry.
+
+use std::fs;
+
+use rsapien_tests::library::{MARKS, library};
+use rsapien_tests::workspace;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let path = workspace().join("docs/actions.md");
+    let page = fs::read_to_string(&path)?;
+    let [begin, end] = MARKS;
+    let (before, rest) = page.split_once(begin).ok_or("the page has no beginning mark")?;
+    let (_, after) = rest.split_once(end).ok_or("the page has no end mark")?;
+    fs::write(&path, format!("{before}{begin}{}{end}{after}", library()))?;
+    Ok(())
+}

@@ -234,4 +234,7 @@ fn the_page_of_actions_shows_the_library() {
     let (shown, _) = rest.split_once(end).unwrap();
     let is_same = shown == rsapien_tests::library::library();
     assert!(is_same, "cargo run -p rsapien-tests --example library-page writes it anew");
+    let (name, path) = rsapien_tests::library::PICTURE;
+    let picture = std::fs::read_to_string(rsapien_tests::workspace().join(path)).unwrap();
+    assert_eq!(picture, rsapien_tests::library::picture(name));
 }

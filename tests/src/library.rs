@@ -3,11 +3,15 @@
 use std::fmt::Write as _;
 
 use rsapien::CancelToken;
+use rsapien::registry::timeline::SvgOptions;
 use rsapien::registry::{ActionDraft, CompileOptions, Registry, Timeline};
 use rsapien::trial::try_on_virtual_body;
 
 /// Where the part begins and ends in the page.
 pub const MARKS: [&str; 2] = ["<!-- library: begin -->\n", "<!-- library: end -->\n"];
+
+/// The action whose picture is in the documents, and where.
+pub const PICTURE: (&str, &str) = ("shake-hands", "docs/images/shake-hands.svg");
 
 /// Columns of a timeline in the page.
 const COLUMNS: usize = 96;
@@ -49,6 +53,18 @@ pub fn library() -> String {
         );
     }
     page
+}
+
+/// The picture of an action of the library, as `rsapien actions show NAME --svg` draws it.
+///
+/// # Panics
+/// When the library has no such action.
+pub fn picture(name: &str) -> String {
+    let registry = Registry::open_in_memory().expect("a registry in memory");
+    let action = registry.get(name).expect(name);
+    let compiled = registry.compile(name, &CompileOptions::default()).expect(name);
+    let (title, description) = (action.name, action.description);
+    Timeline::of(&compiled).to_svg(&SvgOptions { title, description, ..SvgOptions::default() })
 }
 
 fn seconds(ms: u64) -> String {

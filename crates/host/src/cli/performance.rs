@@ -37,7 +37,11 @@ pub(crate) fn play(
     let name = name.map_or(String::new(), |name| format!("{name}: "));
     context.style.answer(out, &answer, format!("{name}{}", in_words(&report)))?;
     if let (Some(before), Some(after)) = (before, pose(open)) {
-        context.style.remark(out, what_moved(&action.steps, &before, &after))?;
+        let from = from_label.and_then(|name| action.labels.iter().find(|it| &*it.name == name));
+        let from = from.map_or(0, |label| label.step);
+        let played = action.steps.iter().skip(from).take(report.steps_accepted);
+        let played: Vec<Step> = played.copied().collect();
+        context.style.remark(out, what_moved(&played, &before, &after))?;
     }
     Ok(status)
 }

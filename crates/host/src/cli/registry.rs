@@ -39,6 +39,12 @@ impl RegistryOptions {
 impl From<RegistryError> for Failure {
     fn from(error: RegistryError) -> Self {
         if let RegistryError::Refused(findings) = error {
+            // What has no place is told in words: an argument, an option.
+            if let [finding] = findings.list.as_slice()
+                && finding.span.end == 0
+            {
+                return Self::new(finding.in_words());
+            }
             let action = findings.list.iter().find_map(|finding| finding.action.clone());
             let name = action.map_or("text".to_owned(), |action| format!("{action}.rsa"));
             return Self::findings(findings, &name);

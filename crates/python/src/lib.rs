@@ -10,6 +10,7 @@ mod pose;
 mod registry;
 mod robot;
 mod state;
+mod timeline;
 mod tracker;
 mod waiting;
 
@@ -29,6 +30,9 @@ fn _rsapien(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<detection::PyDetection>()?;
     module.add_class::<ellipse::PyEllipse>()?;
     module.add_class::<finding::PyFinding>()?;
+    module.add_class::<timeline::PyTimeline>()?;
+    module.add_class::<robot::PyStates>()?;
+    module.add_function(wrap_pyfunction!(registry::action_name, module)?)?;
     module.add_class::<tracker::PyTracker>()?;
     module.add_class::<tracker::PyTrack>()?;
     module.add_class::<registry::PyRegistry>()?;

@@ -1,21 +1,22 @@
 //! `Robot`: the robot from Python.
 
 use crate::errors::{robot_error, value_error};
-use crate::registry::PyRegistry;
+use crate::registry::{Arguments, NameOrText, PyRegistry, values};
 use crate::state::state_dict;
 use crate::waiting;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rsapien::link::virtual_robot::{Controllers, FirmwareConfig, Pace};
-use rsapien::protocol::{Status, Step};
+use rsapien::protocol::Status;
 use rsapien::sim::world::World;
 use rsapien::{
     CameraController, CancelToken, Error, LinkAddress, MotionController, Outcome, PlayOptions,
     PlayReport, Robot, RobotOptions, SensorsController, StopHandle,
 };
-use rsapien_registry::Statement;
+use rsapien_registry::{CompileOptions, CompiledAction, Statement};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What is held of the robot while it is open; the controllers are taken when they are first used.
@@ -94,21 +95,23 @@ impl PyRobot {
         })
     }
 
-    fn play_steps(
+    fn perform(
         &self,
         py: Python<'_>,
-        steps: &[Step],
+        action: &CompiledAction,
+        from_label: Option<String>,
         on_progress: Option<Py<PyAny>>,
     ) -> PyResult<PyOutcome> {
         let report = self.run(py, on_progress, |open, token, mut progress| {
             let mut options = PlayOptions {
                 cancel: token.clone(),
+                from_label,
                 on_progress: Some(Box::new(move |told| {
                     progress((told.steps_ended, told.steps_total));
                 })),
                 ..PlayOptions::default()
             };
-            open.motion()?.play(steps, &mut options)
+            open.motion()?.perform(action, &mut options)
         })?;
         Ok(PyOutcome { report })
     }
@@ -175,24 +178,39 @@ impl PyRobot {
             steps.iter().map(|text| Statement::parse_short(text)).collect();
         let parsed = parsed.map_err(|finding| value_error(finding.in_words()))?;
         let compiled = PyRegistry::in_memory()?.compile_steps(parsed)?;
-        self.play_steps(py, &compiled.steps, None)
+        self.perform(py, &compiled, None, None)
     }
 
-    #[pyo3(signature = (action, *, times=1, speed=1.0, registry=None, on_progress=None))]
+    #[pyo3(signature = (
+        action, *, times=1, speed=1.0, mirrored=false, arguments=None, from_label=None, registry=None,
+        on_progress=None
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn play(
         &self,
         py: Python<'_>,
-        action: &str,
+        action: NameOrText,
         times: u16,
         speed: f64,
+        mirrored: bool,
+        arguments: Option<Arguments>,
+        from_label: Option<String>,
         registry: Option<&PyRegistry>,
         on_progress: Option<Py<PyAny>>,
     ) -> PyResult<PyOutcome> {
+        let arguments = values(py, arguments)?;
+        let options = CompileOptions { times, speed, mirrored, arguments };
         let compiled = match registry {
-            Some(registry) => registry.compile(action, times, speed)?,
-            None => PyRegistry::in_memory()?.compile(action, times, speed)?,
+            Some(registry) => registry.compile(&action, &options)?,
+            None => PyRegistry::in_memory()?.compile(&action, &options)?,
         };
-        self.play_steps(py, &compiled.steps, on_progress)
+        self.perform(py, &compiled, from_label, on_progress)
+    }
+
+    /// The state, again and again.
+    #[pyo3(signature = (*, every_ms=100))]
+    fn states(slf: Py<Self>, every_ms: u64) -> PyStates {
+        PyStates { robot: slf, every_ms, is_first: AtomicBool::new(true) }
     }
 
     #[pyo3(signature = (pan, tilt, *, speed=0))]
@@ -306,11 +324,47 @@ impl PyOutcome {
         self.report.elapsed_ms
     }
 
+    /// Action and number of the step that was under way when it ended early.
+    #[getter]
+    fn reached(&self) -> Option<(String, usize)> {
+        let reached = self.report.reached.as_ref()?;
+        Some((reached.source.action.to_string(), reached.source.step))
+    }
+
+    /// How what was played instead of the rest ended.
+    #[getter]
+    fn instead(&self) -> Option<PyOutcome> {
+        self.report.instead.as_ref().map(|report| PyOutcome { report: (**report).clone() })
+    }
+
     fn __bool__(&self) -> bool {
         self.report.outcome.is_done()
     }
 
     fn __repr__(&self) -> String {
         format!("Outcome({})", self.report)
+    }
+}
+
+/// Goes through the states of a robot.
+#[pyclass(name = "States", module = "rsapien", frozen)]
+pub(crate) struct PyStates {
+    robot: Py<PyRobot>,
+    every_ms: u64,
+    is_first: AtomicBool,
+}
+
+#[pymethods]
+impl PyStates {
+    fn __iter__(slf: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        slf
+    }
+
+    fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let robot = self.robot.get();
+        if !self.is_first.swap(false, Ordering::SeqCst) {
+            robot.sleep(py, self.every_ms)?;
+        }
+        robot.state(py)
     }
 }

@@ -6,16 +6,13 @@ import pytest
 
 import rsapien
 
-NOD = """
-[[action]]
-name = "nod"
-description = "Twice to the left and right."
-tags = ["test"]
-steps = [
-    { do = "tilt-left", ms = 500 },
-    { do = "tilt-right", ms = 700, times = 2 },
-]
-"""
+NOD = """# Yes.
+action nod(rounds = 2) {
+    description "To the left and twice to the right."
+    tags test
+    do tilt-left for 500ms
+    repeat rounds { do tilt-right for 700ms }
+}"""
 
 
 @pytest.fixture
@@ -35,27 +32,50 @@ def test_the_seed_library_is_there(registry):
 
 
 def test_import_export_and_versions(registry, tmp_path):
-    assert registry.check_toml(NOD) == []
-    assert registry.import_toml(NOD)["added"] == ["nod"]
+    assert registry.check(NOD) == []
+    assert registry.import_text(NOD)["added"] == ["nod"]
     assert registry.steps("nod") == [(["tilt-left"], 500), (["tilt-right"], 700), (["tilt-right"], 700)]
+    assert len(registry.steps("nod", arguments={"rounds": 5})) == 6
+    assert registry.text("nod") == NOD
     with pytest.raises(rsapien.RegistryError, match="nod"):
-        registry.import_toml(NOD.replace("500", "600"))
-    registry.import_toml(NOD.replace("500", "600"), replace=True)
-    assert [version["version"] for version in registry.history("nod")] in ([1, 2], [2, 1])
+        registry.import_text(NOD.replace("500", "600"))
+    registry.import_text(NOD.replace("500", "600"), replace=True)
+    assert [version["version"] for version in registry.history("nod")] == [1, 2]
+    assert registry.restore("nod", 1) == 3
+    assert registry.text("nod") == NOD
     other = rsapien.Registry(tmp_path / "other.sqlite")
-    other.import_toml(registry.export_toml("nod"))
+    other.import_text(registry.export_text("nod"))
     assert other.steps("nod") == registry.steps("nod")
     other.remove("nod")
     with pytest.raises(rsapien.UnknownAction):
         other.steps("nod")
+    registry.backup(tmp_path / "copy.sqlite")
+    assert rsapien.Registry(tmp_path / "copy.sqlite").text("nod") == NOD
+    assert registry.verify() == []
+
+
+def test_search(registry):
+    assert registry.search("wave left")[0]["name"] == "wave-left"
+    assert {found["name"] for found in registry.search(tags=["hands"], longest_ms=475)} == {
+        "grip-left",
+        "grip-right",
+        "release-left",
+        "release-right",
+    }
+    (found,) = registry.search("bow", joints=["left-leg"])
+    assert registry.text("#" + found["content_hash"][:12]).startswith("action bow")
+    with pytest.raises(ValueError, match="right-arm"):
+        registry.search(joints=["head"])
 
 
 def test_what_is_wrong_is_named(registry):
-    wrong = NOD.replace('"tilt-left"', '["tilt-left", "tilt-right"]')
-    (finding,) = registry.check_toml(wrong)
-    assert "nod" in finding and "tilt-left" in finding
-    with pytest.raises(rsapien.ActionRefused, match="tilt-left"):
-        registry.import_toml(wrong)
+    wrong = NOD.replace("do tilt-left", "do tilt-left + tilt-right")
+    (finding,) = registry.check(wrong)
+    assert (finding.severity, finding.rule, finding.line) == ("error", "joint-two-ways", 5)
+    assert finding.action == "nod" and "two steps" in finding.help
+    assert "^^^^" in str(finding)
+    with pytest.raises(rsapien.ActionRefused, match="joint-two-ways"):
+        registry.import_text(wrong)
     assert "nod" not in {action["name"] for action in registry.actions()}
 
 

@@ -1,12 +1,13 @@
 """A toy humanoid as a laboratory robot, and an ellipse detector.
 
-``Robot`` is the robot, real or virtual; ``Registry`` its actions; ``detect`` finds ellipses in a numpy
+``Robot`` is the robot, real or virtual (``aio.Robot`` for programs with asyncio); ``Registry`` keeps its actions, and
+``Action`` builds one in code; ``detect`` finds ellipses in a numpy
 array, ``Detector`` in many, and ``Tracker`` follows them through a video; ``pose`` leads from an ellipse to
 space. Every error is a ``RsapienError``, but for wrong types and values, which are ``TypeError`` and
 ``ValueError`` as usual.
 """
 
-from rsapien import pose
+from rsapien import aio, pose
 from rsapien._rsapien import (
     ActionRefused,
     BadReport,
@@ -14,6 +15,7 @@ from rsapien._rsapien import (
     Detection,
     Detector,
     Ellipse,
+    Finding,
     LinkError,
     LinkTimeout,
     MotionInterrupted,
@@ -25,20 +27,24 @@ from rsapien._rsapien import (
     Robot,
     RobotRefused,
     RsapienError,
+    Timeline,
     Track,
     Tracker,
     UnknownAction,
     __version__,
     detect,
 )
+from rsapien.action import Action
 
 __all__ = [
+    "Action",
     "ActionRefused",
     "BadReport",
     "ControllerHeld",
     "Detection",
     "Detector",
     "Ellipse",
+    "Finding",
     "LinkError",
     "LinkTimeout",
     "MotionInterrupted",
@@ -50,10 +56,12 @@ __all__ = [
     "Robot",
     "RobotRefused",
     "RsapienError",
+    "Timeline",
     "Track",
     "Tracker",
     "UnknownAction",
     "__version__",
+    "aio",
     "detect",
     "pose",
 ]

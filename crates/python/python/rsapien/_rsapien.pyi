@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from types import TracebackType
-from typing import Any, Literal, Optional, TypedDict, Union
+from typing import Any, Literal, Optional, TypedDict, Union, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -364,13 +364,14 @@ class ActionSummary(TypedDict):
     tags: list[str]
     step_count: int
     duration_ms: int
+    joints: list[str]
+    content_hash: str
     version: int
 
 class VersionSummary(TypedDict):
     version: int
     changed_ms: int
     description: str
-    step_count: int
 
 class ImportReport(TypedDict):
     added: list[str]
@@ -392,14 +393,47 @@ class Registry:
     def path(self) -> Any: ...
     def actions(self) -> list[ActionSummary]:
         """Every action, by name."""
-    def steps(self, name: str, *, times: int = 1, speed: float = 1.0) -> list[tuple[list[str], int]]:
+    def search(
+        self,
+        text: str = "",
+        *,
+        tags: Sequence[str] = (),
+        joints: Sequence[str] = (),
+        shortest_ms: Optional[int] = None,
+        longest_ms: Optional[int] = None,
+        limit: int = 50,
+        offset: int = 0,
+    ) -> list[ActionSummary]:
+        """The actions that fit: by words (best first), tags, joints that move, and length."""
+    def steps(
+        self,
+        action: Union[str, HasText],
+        *,
+        times: int = 1,
+        speed: float = 1.0,
+        arguments: Optional[dict[str, Union[str, float]]] = None,
+    ) -> list[tuple[list[str], int]]:
         """The action as the robot plays it: primitives that start together, and a duration in ms."""
-    def import_toml(self, text: str, *, replace: bool = False) -> ImportReport:
-        """Stores the actions of a TOML text, all or none; ``replace`` makes new versions of known ones."""
-    def export_toml(self, *names: str) -> str:
+    def timeline(
+        self, action: Union[str, HasText], *, arguments: Optional[dict[str, Union[str, float]]] = None
+    ) -> Timeline:
+        """The joints of an action over time; a notebook shows it as a picture."""
+    def text(self, name: str) -> str:
+        """The text of an action, word for word."""
+    def check(self, text: str) -> list[Finding]:
+        """What the checker finds in a text; nothing is stored."""
+    def save(self, action: Union[str, HasText], *, replace: bool = False) -> ImportReport:
+        """Checks an action or a text, tries it on the virtual body and stores it, word for word."""
+    def import_text(self, text: str, *, replace: bool = False) -> ImportReport:
+        """Stores the actions of a text, all or none; ``replace`` makes new versions of known ones."""
+    def export_text(self, *names: str) -> str:
         """The actions named, with those they play; all of them when none is named."""
-    def check_toml(self, text: str) -> list[str]:
-        """What ``import_toml`` would find wrong."""
+    def restore(self, name: str, version: int) -> int:
+        """Saves an older version again, also of a removed action; returns the new version."""
+    def backup(self, path: Union[str, PathLike[str]]) -> None:
+        """Copies the registry to a new file, while it is in use."""
+    def verify(self) -> list[tuple[str, str]]:
+        """What is wrong with what is stored, each with advice; empty where all is well."""
     def remove(self, name: str) -> None: ...
     def history(self, name: str) -> list[VersionSummary]: ...
 
@@ -418,6 +452,60 @@ class State(TypedDict):
     pan: Optional[float]
     tilt: Optional[float]
 
+class HasText(Protocol):
+    """An action with a text, such as ``rsapien.Action``."""
+
+    @property
+    def text(self) -> str: ...
+
+class Finding:
+    """What the checker says; as text, with the place underlined."""
+
+    @property
+    def severity(self) -> Literal["error", "warning"]: ...
+    @property
+    def rule(self) -> str:
+        """The rule's name, as in docs/rules.md."""
+    @property
+    def message(self) -> str: ...
+    @property
+    def line(self) -> int: ...
+    @property
+    def column(self) -> int: ...
+    @property
+    def action(self) -> Optional[str]: ...
+    @property
+    def help(self) -> Optional[str]:
+        """What to do."""
+    @property
+    def rendered(self) -> str:
+        """The message as a compiler tells it."""
+
+class Timeline:
+    """The joints of an action over time, reckoned with nominal travel times."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def duration_ms(self) -> int:
+        """How long it lasts; waits for bumpers are not counted."""
+    @property
+    def labels(self) -> list[tuple[int, str]]:
+        """When, in ms, and the name."""
+    def movements(self) -> list[dict[str, Any]]:
+        """Every movement: joint, ``from_ms``, ``to_ms``, ``from_place`` and ``to_place`` (0 to 1), target …"""
+    def svg(self, *, title: str = "", description: str = "", width: int = 900) -> str:
+        """The picture, as SVG."""
+    def text(self, width: int = 100) -> str:
+        """The picture for a terminal."""
+    def _repr_svg_(self) -> str: ...
+
+class States:
+    """Goes through the states of a robot, without end."""
+
+    def __iter__(self) -> States: ...
+    def __next__(self) -> State: ...
+
 class Outcome:
     """How an action ended."""
 
@@ -432,6 +520,12 @@ class Outcome:
     def steps_total(self) -> int: ...
     @property
     def elapsed_ms(self) -> int: ...
+    @property
+    def reached(self) -> Optional[tuple[str, int]]:
+        """The step under way when it ended early: the action it is written in, and its number there."""
+    @property
+    def instead(self) -> Optional[Outcome]:
+        """How what was played instead of the rest ended, because a bumper was met or waited for in vain."""
     def __bool__(self) -> bool:
         """Whether it was done."""
 
@@ -472,14 +566,23 @@ class Robot:
         """
     def play(
         self,
-        action: str,
+        action: Union[str, HasText],
         *,
         times: int = 1,
         speed: float = 1.0,
+        mirrored: bool = False,
+        arguments: Optional[dict[str, Union[str, float]]] = None,
+        from_label: Optional[str] = None,
         registry: Optional[Registry] = None,
         on_progress: Optional[Callable[[int, int], object]] = None,
     ) -> Outcome:
-        """Plays an action of the registry (without one: of those that come with the robot)."""
+        """Plays an action of the registry (without one: of those that come with the robot), or one that is
+        built in code.
+
+        ``arguments`` are values of its parameters: numbers, or times such as ``"650ms"``.
+        """
+    def states(self, *, every_ms: int = 100) -> States:
+        """The state, again and again: ``for state in robot.states(): ...``."""
     def look(self, pan: float, tilt: float, *, speed: int = 0) -> tuple[float, float]:
         """Turns the head, waits until it is there and returns pan and tilt in degrees."""
     def snapshot(self) -> NDArray[np.uint8]:
@@ -496,6 +599,9 @@ class Robot:
         error: Optional[BaseException],
         traceback: Optional[TracebackType],
     ) -> None: ...
+
+def action_name(text: str) -> str:
+    """The name of the one action of a text."""
 
 def run_command(arguments: Sequence[str]) -> int:
     """Runs the ``rsapien`` command and returns its exit status."""

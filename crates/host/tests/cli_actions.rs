@@ -194,3 +194,33 @@ fn a_warning_is_told_at_the_save_and_can_be_silenced() {
     let told = actions(&user, 0, &["check", "reach.rsa"]).stdout;
     assert!(told.contains("nothing wrong (1 warning is silenced"), "{told}");
 }
+
+#[test]
+fn a_bundle_goes_from_one_registry_to_another() {
+    let user = User::new();
+    std::fs::write(user.path("nod.rsa"), "action nod { do tilt-left do tilt-mid for 300ms }\n")
+        .unwrap();
+    std::fs::write(user.path("hi.rsa"), "action hi { play nod play wave }\n").unwrap();
+    actions(&user, 0, &["import", "nod.rsa", "hi.rsa"]);
+    let wrote = actions(&user, 0, &["export", "hi", "--bundle", "hi.rsapien"]).stdout;
+    assert_eq!(wrote, "wrote hi.rsapien with 3 actions\n");
+    actions(&user, 2, &["export", "nosuch", "--bundle", "none.rsapien"]);
+    assert!(!user.path("none.rsapien").exists());
+    let other = |status: i32, arguments: &[&str]| {
+        let mut all = vec!["actions", "--registry", "other.sqlite"];
+        all.extend(arguments);
+        user.expect(status, &all)
+    };
+    other(0, &["add", "nod", "tilt-right:700"]);
+    let refused = other(2, &["import", "hi.rsapien"]);
+    refused.told(&["do something else: nod", "nod: #", "in the bundle", "--on-conflict"]);
+    other(2, &["show", "hi"]);
+    let renamed = other(0, &["import", "hi.rsapien", "--on-conflict", "rename"]).stdout;
+    assert!(
+        renamed.contains("added hi") && renamed.contains("nod is called nod-2 here"),
+        "{renamed}"
+    );
+    assert!(other(0, &["show", "hi"]).stdout.contains("play nod-2"));
+    std::fs::write(user.path("half.rsapien"), "PK and nothing else").unwrap();
+    other(2, &["import", "half.rsapien"]).told(&["no bundle"]);
+}

@@ -153,6 +153,21 @@ pub enum RegistryError {
         /// The actions that play it, in alphabetical order.
         users: Vec<String>,
     },
+    /// A bundle is not what it should be, or cannot be written.
+    #[error("the bundle: {reason}")]
+    Bundle {
+        /// What is wrong.
+        reason: String,
+    },
+    /// Actions of a bundle are here already and do something else.
+    #[error(
+        "these actions are here already and do something else: {}",
+        conflicts.iter().map(|it| it.name.as_str()).collect::<Vec<_>>().join(", ")
+    )]
+    Conflicts {
+        /// Each of them, with both content hashes.
+        conflicts: Vec<crate::store::Conflict>,
+    },
     /// Actions to import exist already, with other content.
     #[error(
         "these actions exist already: {}; import them as new versions or rename them",

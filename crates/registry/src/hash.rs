@@ -23,13 +23,17 @@ pub(crate) fn content_hash(
         ..ActionDraft::default()
     };
     rename_played(&mut bare.body, &mut |name| hash_of(name));
-    let digest = Sha256::digest(print_action(&bare));
-    let mut hash = String::with_capacity(2 * digest.len());
-    for byte in digest {
+    hexadecimal(&Sha256::digest(print_action(&bare)))
+}
+
+/// Bytes as two hexadecimal digits each.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(2 * bytes.len());
+    for byte in bytes {
         // Writing to a string cannot fail.
-        let _ = write!(hash, "{byte:02x}");
+        let _ = write!(text, "{byte:02x}");
     }
-    hash
+    text
 }
 
 /// Gives every action that is played the name that `new_name` tells.

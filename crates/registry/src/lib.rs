@@ -29,7 +29,7 @@ pub use hash::CONTENT_HASH_SHORT;
 pub use language::{ActionDraft, Statement, parse_text, print_action, print_actions};
 #[cfg(feature = "store")]
 pub use store::{
-    BUSY_TIMEOUT_MS, CONTENT_HASH_MIN, ImportPolicy, ImportReport, Integrity, IntegrityProblem,
-    Query, Registry, Trials,
+    BUSY_TIMEOUT_MS, Bundle, BundlePlan, BundlePolicy, BundledAction, CONTENT_HASH_MIN, Conflict,
+    ImportPolicy, ImportReport, Integrity, IntegrityProblem, Manifest, Query, Registry, Trials,
 };
 pub use timeline::Timeline;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use rsapien_registry::{Registry, RegistryError};
+use rsapien_registry::{CONTENT_HASH_SHORT, Registry, RegistryError};
 
 use super::diagnostics::{Failure, Result};
 use crate::data;
@@ -59,6 +59,16 @@ impl From<RegistryError> for Failure {
             }
             RegistryError::UnknownVersion { name, .. } => {
                 failure.hint(format!("rsapien actions show {name} --history lists them"))
+            }
+            RegistryError::Conflicts { ref conflicts } => {
+                let short = |hash: &str| hash.get(..CONTENT_HASH_SHORT).unwrap_or(hash).to_owned();
+                let lines = conflicts.iter().map(|it| {
+                    format!("{}: #{} is here, #{} in the bundle", it.name, short(&it.here), short(&it.theirs))
+                });
+                let lines = lines.collect::<Vec<_>>().join("\n");
+                failure.hint(format!(
+                    "{lines}\n--on-conflict keep-mine, take-theirs or rename says what to do"
+                ))
             }
             RegistryError::AlreadyExist { .. } => {
                 failure.hint("rsapien actions import --replace saves them as new versions; the old ones are kept")

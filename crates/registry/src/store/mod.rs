@@ -1,5 +1,6 @@
 //! RoboRegistry: primitives and actions in one SQLite file.
 
+mod bundle;
 mod convert;
 mod keep;
 mod known;
@@ -22,6 +23,7 @@ use crate::error::RegistryError;
 use crate::expand::{CompileOptions, compile};
 use crate::language::{ActionDraft, print_action};
 
+pub use bundle::{Bundle, BundlePlan, BundlePolicy, BundledAction, Conflict, Manifest};
 pub use keep::{Integrity, IntegrityProblem};
 pub use search::Query;
 

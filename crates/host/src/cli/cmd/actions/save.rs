@@ -43,14 +43,28 @@ pub(super) fn save_text(
         return Err(Failure::findings(checked.findings, file_name));
     }
     let trials = try_all(&checked.actions)?;
-    let kept = trials.iter().map(|(name, trial)| Ok((name.clone(), serde_json::to_string(trial)?)));
-    let kept: Trials = kept.collect::<Result<_>>()?;
+    let kept = kept(&trials)?;
     let report = registry.import_text(text, policy, &kept).map_err(|error| match error {
         RegistryError::Refused(findings) => Failure::findings(findings, file_name),
         other => other.into(),
     })?;
     warn(context, &checked.findings, &trials, file_name);
     Ok(report)
+}
+
+/// How the actions of a text go on the virtual body, as it is kept with them.
+pub(super) fn try_text(registry: &Registry, text: &str, file_name: &str) -> Result<Trials> {
+    let checked = registry.check_text(text)?;
+    if checked.findings.has_errors() {
+        return Err(Failure::findings(checked.findings, file_name));
+    }
+    kept(&try_all(&checked.actions)?)
+}
+
+fn kept(trials: &BTreeMap<String, Trial>) -> Result<Trials> {
+    let texts =
+        trials.iter().map(|(name, trial)| Ok((name.clone(), serde_json::to_string(trial)?)));
+    texts.collect()
 }
 
 /// Every action on the virtual body; Ctrl-C ends the command, and nothing is stored.

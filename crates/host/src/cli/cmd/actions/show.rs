@@ -171,7 +171,11 @@ fn columns(context: &Context) -> usize {
     if !context.style.output.is_terminal() {
         return COLUMNS;
     }
-    ratatui::crossterm::terminal::size().map_or(COLUMNS, |(columns, _)| usize::from(columns))
+    #[cfg(unix)]
+    if let Ok(size) = rustix::termios::tcgetwinsize(std::io::stdout()) {
+        return usize::from(size.ws_col).max(1);
+    }
+    COLUMNS
 }
 
 /// Plays it on a virtual robot of its own.

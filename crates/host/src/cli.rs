@@ -9,6 +9,7 @@ mod context;
 mod diagnostics;
 mod exit;
 mod firmware;
+mod install;
 mod limits;
 mod output;
 mod performance;
@@ -99,15 +100,14 @@ mod tests {
         Arguments::command().debug_assert();
         let mut command = Arguments::command();
         command.build();
-        for subcommand in
-            command.get_subcommands_mut().filter(|command| command.get_name() != "help")
-        {
-            let name = subcommand.get_name().to_owned();
-            let help = subcommand.render_long_help().to_string();
-            assert!(
-                help.contains(&format!("  rsapien {name}")),
-                "{name} shows no example:\n{help}"
-            );
+        let mut waiting: Vec<(String, clap::Command)> = vec![("rsapien".to_owned(), command)];
+        while let Some((name, mut command)) = waiting.pop() {
+            let help = command.render_long_help().to_string();
+            let examples = help.split_once("Example").or(help.split_once("First steps:"));
+            let shows = examples.is_some_and(|(_, examples)| examples.contains(&name));
+            assert!(shows, "{name} shows no example:\n{help}");
+            let below = command.get_subcommands().filter(|below| below.get_name() != "help");
+            waiting.extend(below.map(|it| (format!("{name} {}", it.get_name()), it.clone())));
         }
     }
 }

@@ -5,7 +5,7 @@ mod support;
 
 use support::User;
 
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 18] = [
     "demo",
     "ports",
     "doctor",
@@ -23,6 +23,7 @@ const COMMANDS: [&str; 17] = [
     "watch",
     "sim",
     "completions",
+    "man",
 ];
 
 #[test]
@@ -73,6 +74,23 @@ fn completions_know_the_commands() {
         let script = user.expect(0, &["completions", shell]).stdout;
         assert!(script.contains("snapshot") && script.contains("annotate"), "{shell}");
     }
+}
+
+#[test]
+fn completions_and_manual_pages_are_installed_where_they_are_looked_for() {
+    let user = User::new();
+    user.expect(0, &["completions", "bash", "--install"]);
+    let script = user.path("data/bash-completion/completions/rsapien");
+    assert!(std::fs::read_to_string(&script).unwrap().contains("complete"), "{script:?}");
+    assert!(user.expect(0, &["completions", "zsh", "--install"]).stdout.contains("fpath"));
+    user.expect(2, &["completions", "elvish", "--install"]).told(&["elvish", "> FILE"]);
+    let told = user.expect(0, &["man", "--install"]).stdout;
+    let page = std::fs::read_to_string(user.path("data/man/man1/rsapien-actions-show.1")).unwrap();
+    assert!(page.contains("Examples") && page.contains("rsapien actions show wave"), "{page}");
+    let documentation = include_str!("../../../docs/cli.md");
+    let count = told.split_whitespace().nth(1).unwrap();
+    assert!(documentation.contains(&format!("wrote {count} pages")), "{told}");
+    assert!(user.expect(0, &["man"]).stdout.contains(".TH rsapien 1"));
 }
 
 #[test]

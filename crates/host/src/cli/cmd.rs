@@ -10,6 +10,7 @@ mod doctor;
 mod eval;
 mod init;
 mod look;
+mod man;
 mod play;
 mod ports;
 mod sim;
@@ -46,6 +47,7 @@ pub(crate) enum Command {
     Watch(watch::Cmd),
     Sim(sim::Cmd),
     Completions(completions::Cmd),
+    Man(man::Cmd),
 }
 
 impl Command {
@@ -69,6 +71,7 @@ impl Command {
             Self::Watch(cmd) => cmd.run(context, out),
             Self::Sim(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),
+            Self::Man(cmd) => cmd.run(context, out),
         }
     }
 }

@@ -4,7 +4,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rsapien_protocol::Primitive;
-use rsapien_registry::language::Word;
 use rsapien_registry::{
     ActionDraft, CompileOptions, ImportPolicy, Registry, RegistryError, Statement, Trials,
 };
@@ -286,11 +285,9 @@ fn write_the_fixture() {
     let wave = "action wave(rounds = 1) { description \"My own wave.\" do right-arm-up for 900ms }";
     registry.import_text(wave, ImportPolicy::Replace, &Trials::new()).unwrap();
     registry.remove("bow").unwrap();
-    let mut nod = ActionDraft::new("nod", vec![step("tilt-left:300")]);
-    registry.save(&nod).unwrap();
-    nod.body.push(step("tilt-mid:300"));
-    nod.tags = ["head", "yes"].map(Word::new).into();
-    registry.save(&nod).unwrap();
+    registry.save(&ActionDraft::new("nod", vec![step("tilt-left:300")])).unwrap();
+    let nod = "action nod { tags head, yes allow too-short \"it nods\" do tilt-left for 300ms do tilt-mid for 300ms }";
+    registry.import_text(nod, ImportPolicy::Replace, &Trials::new()).unwrap();
     let hello = ActionDraft::new("hello", vec![step("nod*2"), step("wave")]);
     registry.save(&hello).unwrap();
     registry.save(&ActionDraft::new("old", vec![step("pause:5")])).unwrap();

@@ -9,13 +9,18 @@ use rsapien_protocol::Joint;
 
 use super::{Finding, Rule};
 use crate::compiled::{CompiledAction, StepSource};
+use crate::expand::KnownActions;
 use crate::language::{ActionDraft, Span, Statement};
 use crate::motion::Motion;
 
 /// Everything that the rules of motion say of an action, each cause once.
-pub(super) fn motion_findings(draft: &ActionDraft, compiled: &CompiledAction) -> Vec<Finding> {
+pub(super) fn motion_findings(
+    draft: &ActionDraft,
+    compiled: &CompiledAction,
+    known: &dyn KnownActions,
+) -> Vec<Finding> {
     let motion = Motion::of(compiled);
-    let look = Look { draft, statements: draft.steps(), compiled, motion: &motion };
+    let look = Look { draft, statements: draft.steps(), compiled, motion: &motion, known };
     let mut findings = arrival::findings(&look);
     findings.extend(legs::findings(&look));
     findings.extend(arms::findings(&look));
@@ -29,6 +34,7 @@ struct Look<'a> {
     statements: Vec<&'a Statement>,
     compiled: &'a CompiledAction,
     motion: &'a Motion,
+    known: &'a dyn KnownActions,
 }
 
 impl Look<'_> {
@@ -47,14 +53,20 @@ impl Look<'_> {
         self.statements.get(source.outer_step.checked_sub(1)?).copied()
     }
 
-    /// A finding at the statement that makes a compiled step.
-    fn finding(&self, rule: Rule, step: usize, message: String, label: String) -> Finding {
+    /// A finding at the statement that makes a compiled step; none where the step is another action's, and
+    /// that one silences the rule.
+    fn finding(&self, rule: Rule, step: usize, message: String, label: String) -> Option<Finding> {
         let (span, other) = self.place(step);
+        if let Some(other) = other.and_then(|name| self.known.draft(name))
+            && other.allowances.iter().any(|allowance| allowance.rule.text == rule.name())
+        {
+            return None;
+        }
         let label = match other {
             Some(action) => format!("{label} (in `{action}`)"),
             None => label,
         };
-        Finding::new(rule, span, message).label(label)
+        Some(Finding::new(rule, span, message).label(label))
     }
 
     /// A finding of the whole action.

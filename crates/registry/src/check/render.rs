@@ -211,7 +211,7 @@ nod.rsa: 2 errors
 
     #[test]
     fn a_place_over_several_lines_or_at_the_end_is_marked_where_it_begins() {
-        let text = "action nod {\n  repeat 2 {\n    label x\n  }\n  wait 1s";
+        let text = "action nod {\n  repeat 2 {\n    label x\n  }\n  wait 1s\n}";
         let checked = check_text(text, &NoActions);
         let told = render(&checked.findings, "-", false);
         assert!(told.contains("2 |   repeat 2 {\n  |   ^^^^^^^^^^\n"), "{told}");

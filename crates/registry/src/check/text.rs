@@ -68,7 +68,7 @@ pub fn check_text(text: &str, known: &dyn KnownActions) -> CheckedText {
             let compiled = compile(&parsed.draft, &overlay, &CompileOptions::default());
             let compiled = compiled.map_err(|finding| findings.push(finding)).ok();
             if let Some(compiled) = &compiled {
-                let found = motion_findings(&parsed.draft, compiled);
+                let found = motion_findings(&parsed.draft, compiled, &overlay);
                 let (remaining, own_silenced) = silence(&parsed.draft, found);
                 findings.extend(remaining);
                 silenced.extend(own_silenced);

@@ -17,8 +17,7 @@ fn a_wave_in_a_terminal() {
          wait for right-hand at most 3s do right-arm-down + right-hand-mid for 1150ms",
     );
     let text = Timeline::of(&wave).to_text(60, false);
-    let beginning = "\
-           |0 s     |1 s      |2 s      |3 s      |4 s
+    let beginning = "           |0 s     |1 s      |2 s      |3 s      |4 s
                       ┌waving
 right-arm  △△△△△△△up··▼▼▼▼▼▼▲▲▲▲▲▲▲▼▼▼▼▼▼▲▲▲▲▲▲▲┆▼▼▼▼▼▼▼▼▼▼▼
 left-arm   ·····································┆···········

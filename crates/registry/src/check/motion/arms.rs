@@ -33,6 +33,6 @@ fn meeting(look: &Look<'_>, arm: Joint, hand: Joint, is_right: bool) -> Option<F
     let side = if is_right { "right" } else { "left" };
     let message = format!("the {side} hand meets the trunk or the leg");
     let label = format!("here the {arm} is down, the hand in, and the trunk leans to that side");
-    let finding = look.finding(Rule::ArmsMeetTrunk, step, message, label);
+    let finding = look.finding(Rule::ArmsMeetTrunk, step, message, label)?;
     Some(finding.help("open the hand, lift the arm, or let the trunk come back first"))
 }

@@ -54,7 +54,7 @@ pub(super) fn findings(look: &Look<'_>) -> Vec<Finding> {
             let had_ms = at_ms - sent.at_ms;
             let steps = (look.place(sent.step).0.start, look.place(index).0.start, joint);
             if needed_ms > had_ms && told.insert(steps) {
-                findings.push(too_short(look, joint, sent, index, needed_ms, had_ms));
+                findings.extend(too_short(look, joint, sent, index, needed_ms, had_ms));
             }
             known.low_ms = nearer(known.low_ms, target_ms, had_ms);
             known.high_ms = nearer(known.high_ms, target_ms, had_ms);
@@ -81,16 +81,16 @@ fn too_short(
     next: usize,
     needed_ms: u64,
     had_ms: u64,
-) -> Finding {
+) -> Option<Finding> {
     let name = joint.position_names()[usize::from(sent.to.number() - 1)];
     let message = format!("{joint} is sent on before it can have arrived at {name}");
     let label = format!("needs up to {needed_ms} ms to arrive, and has {had_ms} ms");
-    let finding = look.finding(Rule::TooShort, sent.step, message, label);
+    let finding = look.finding(Rule::TooShort, sent.step, message, label)?;
     let (span, _) = look.place(next);
     let finding =
         if span.start == finding.span.start { finding } else { finding.and(span, "sent on here") };
-    finding.help(format!(
+    Some(finding.help(format!(
         "give it {} ms more; or, where it is meant, say `allow too-short \"why\"`",
         needed_ms - had_ms
-    ))
+    )))
 }

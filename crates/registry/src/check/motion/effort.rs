@@ -61,7 +61,7 @@ fn against_end_stop(look: &Look<'_>, joint: Joint) -> Option<Finding> {
         if sum_ms > AGAINST_STOP_MS_MAX {
             let message = format!("the motor of {joint} is driven against its end stop for long");
             let label = format!("{sum_ms} ms of the {} s before", WINDOW_MS / 1000);
-            let finding = look.finding(Rule::AgainstEndStop, movement.step, message, label);
+            let finding = look.finding(Rule::AgainstEndStop, movement.step, message, label)?;
             return Some(finding.help("let the joint go further before it comes back, or rest"));
         }
     }

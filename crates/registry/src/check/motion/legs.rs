@@ -77,7 +77,7 @@ fn weight_onto_a_moving_leg(look: &Look<'_>) -> Option<Finding> {
                      fall"
                 );
                 let label = format!("{together_ms} ms of the swing and of the leg coincide");
-                return Some(told(look, swing, movement, message, label));
+                return told(look, swing, movement, message, label);
             }
         }
     }
@@ -98,7 +98,7 @@ fn scissors_under_a_swinging_trunk(look: &Look<'_>) -> Option<Finding> {
                                    may fall"
                             .to_owned();
                     let label = format!("{together_ms} ms of the swing and of both legs coincide");
-                    return Some(told(look, swing, left, message, label));
+                    return told(look, swing, left, message, label);
                 }
             }
         }
@@ -119,13 +119,13 @@ fn told(
     leg: &Movement,
     message: String,
     label: String,
-) -> Finding {
-    let finding = look.finding(Rule::TrunkAgainstLegs, swing.step, message, label);
+) -> Option<Finding> {
+    let finding = look.finding(Rule::TrunkAgainstLegs, swing.step, message, label)?;
     let (span, _) = look.place(leg.step);
     let finding = if span.start == finding.span.start {
         finding
     } else {
         finding.and(span, "the leg is sent here")
     };
-    finding.help("let the trunk arrive before the legs move, or the legs before the trunk")
+    Some(finding.help("let the trunk arrive before the legs move, or the legs before the trunk"))
 }

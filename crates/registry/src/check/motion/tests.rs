@@ -99,3 +99,11 @@ fn what_is_played_is_told_where_it_is_played() {
     assert_eq!(place, "play inner");
     assert!(outer[0].label.contains("`inner`"), "{}", outer[0].label);
 }
+
+#[test]
+fn what_an_action_silences_is_silent_where_it_is_played() {
+    let text =
+        "action inner { allow too-short \"it shakes\" do tilt-left for 9ms do tilt-right for 9ms }
+                action outer { wait 1s play inner play inner }";
+    assert_eq!(check_text(text, &NoActions).findings.list, []);
+}

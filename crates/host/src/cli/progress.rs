@@ -23,7 +23,7 @@ pub(crate) fn bar(style: Style) -> ProgressBar {
     bar
 }
 
-/// The progress through a number of pictures, shown once it has taken a second.
+/// The progress through a number of pictures or actions, shown once it has taken a second.
 pub(crate) struct Progress {
     bar: ProgressBar,
     total: usize,
@@ -33,7 +33,7 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Of `total` pictures; of fewer than two nothing is ever shown.
+    /// Of `total`; of fewer than two nothing is ever shown.
     pub(crate) fn new(style: Style, total: usize) -> Self {
         let is_waiting = style.error.is_terminal() && total > 1;
         let bar = if is_waiting { bar(style) } else { ProgressBar::hidden() };
@@ -42,7 +42,7 @@ impl Progress {
         Self { bar, total, done: 0, started: Instant::now(), is_waiting }
     }
 
-    /// Tells which picture comes next.
+    /// Tells which comes next.
     pub(crate) fn next(&mut self, name: &str) {
         if self.is_waiting && self.started.elapsed() > PATIENCE {
             self.is_waiting = false;

@@ -15,6 +15,7 @@ use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
 use crate::cli::output::Screen;
+use crate::cli::progress::Progress;
 use crate::trial::{Trial, try_on_virtual_body};
 
 /// Saves the actions of a file and tells what was done.
@@ -42,7 +43,7 @@ pub(super) fn save_text(
     if checked.findings.has_errors() {
         return Err(Failure::findings(checked.findings, file_name));
     }
-    let trials = try_all(&checked.actions)?;
+    let trials = try_all(context, &checked.actions)?;
     let kept = kept(&trials)?;
     let report = registry.import_text(text, policy, &kept).map_err(|error| match error {
         RegistryError::Refused(findings) => Failure::findings(findings, file_name),
@@ -53,12 +54,17 @@ pub(super) fn save_text(
 }
 
 /// How the actions of a text go on the virtual body, as it is kept with them.
-pub(super) fn try_text(registry: &Registry, text: &str, file_name: &str) -> Result<Trials> {
+pub(super) fn try_text(
+    context: &Context,
+    registry: &Registry,
+    text: &str,
+    file_name: &str,
+) -> Result<Trials> {
     let checked = registry.check_text(text)?;
     if checked.findings.has_errors() {
         return Err(Failure::findings(checked.findings, file_name));
     }
-    kept(&try_all(&checked.actions)?)
+    kept(&try_all(context, &checked.actions)?)
 }
 
 fn kept(trials: &BTreeMap<String, Trial>) -> Result<Trials> {
@@ -68,9 +74,11 @@ fn kept(trials: &BTreeMap<String, Trial>) -> Result<Trials> {
 }
 
 /// Every action on the virtual body; Ctrl-C ends the command, and nothing is stored.
-fn try_all(actions: &[CheckedAction]) -> Result<BTreeMap<String, Trial>> {
+fn try_all(context: &Context, actions: &[CheckedAction]) -> Result<BTreeMap<String, Trial>> {
+    let mut progress = Progress::new(context.style, actions.len());
     let mut trials = BTreeMap::new();
     for compiled in actions.iter().filter_map(|action| action.compiled.as_ref()) {
+        progress.next(&compiled.name);
         let trial = try_on_virtual_body(compiled, &CancelToken::new())?;
         trials.insert(compiled.name.clone(), trial);
     }

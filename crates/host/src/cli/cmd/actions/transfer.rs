@@ -112,7 +112,7 @@ impl Import {
         let bundle = Bundle::read(BufReader::new(opened))?;
         // What a bundle says of its trials is its writer's word; each is tried here.
         let planned = registry.plan_bundle(&bundle, policy)?;
-        let trials = save::try_text(registry, &planned.text, &file.display().to_string())?;
+        let trials = save::try_text(context, registry, &planned.text, &file.display().to_string())?;
         let plan = registry.import_bundle(&bundle, policy, &trials)?;
         context.style.answer(out, &plan, in_words(&plan, policy))
     }

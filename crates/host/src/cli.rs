@@ -5,6 +5,7 @@
 
 mod camera;
 mod cmd;
+mod config;
 mod context;
 mod diagnostics;
 mod exit;
@@ -26,7 +27,9 @@ use std::io::Write;
 use clap::Parser;
 
 use self::context::{Context, GlobalOptions, start_tracing};
+use self::diagnostics::Failure;
 use self::exit::Status;
+use self::output::Screen;
 
 /// A toy humanoid as a laboratory robot: move it, watch it, see with it, or do all that with a virtual one.
 #[derive(Debug, Parser)]
@@ -70,8 +73,13 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     let verbose = arguments.options.verbose;
-    let context = Context::new(arguments.options);
-    start_tracing(verbose, context.style);
+    start_tracing(verbose);
+    // A mistake in a file must not keep the motors running, nor keep the file from being looked at.
+    let keeps_going = arguments.command.is_stop();
+    let context = match Context::new(arguments.options, keeps_going) {
+        Ok(context) => context,
+        Err(failure) => return tell(&failure, Screen::None),
+    };
     let mut out = std::io::stdout().lock();
     let result = arguments.command.run(&context, &mut out).and_then(|status| {
         out.flush()?;
@@ -80,14 +88,17 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let status = match signal::finish().and(result) {
         Ok(status) => status,
         Err(failure) if failure.is_closed_pipe() => Status::Done,
-        Err(failure) => {
-            let text = diagnostics::render(&failure, context.style.error);
-            // When even the standard error is gone, the status still tells.
-            let _ = std::io::stderr().write_all(text.as_bytes());
-            failure.exit_status()
-        }
+        Err(failure) => return tell(&failure, context.style.error),
     };
     status.code()
+}
+
+/// Tells a failure, and gives its exit status.
+fn tell(failure: &Failure, screen: Screen) -> u8 {
+    let text = diagnostics::render(failure, screen);
+    // When even the standard error is gone, the status still tells.
+    let _ = std::io::stderr().write_all(text.as_bytes());
+    failure.exit_status().code()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ mod support;
 
 use support::User;
 
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "demo",
     "ports",
     "doctor",
@@ -22,6 +22,7 @@ const COMMANDS: [&str; 18] = [
     "bench-detect",
     "watch",
     "sim",
+    "config",
     "completions",
     "man",
 ];

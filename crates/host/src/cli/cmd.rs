@@ -3,6 +3,7 @@
 mod actions;
 mod bench_detect;
 mod completions;
+mod config;
 mod demo;
 mod detect;
 mod do_primitives;
@@ -46,11 +47,17 @@ pub(crate) enum Command {
     BenchDetect(bench_detect::Cmd),
     Watch(watch::Cmd),
     Sim(sim::Cmd),
+    Config(config::Cmd),
     Completions(completions::Cmd),
     Man(man::Cmd),
 }
 
 impl Command {
+    /// Whether it stops the motors, which nothing is to keep it from.
+    pub(crate) fn is_stop(&self) -> bool {
+        matches!(self, Self::Stop(_))
+    }
+
     /// Does it.
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
         match self {
@@ -70,6 +77,7 @@ impl Command {
             Self::BenchDetect(cmd) => cmd.run(context, out),
             Self::Watch(cmd) => cmd.run(context, out),
             Self::Sim(cmd) => cmd.run(context, out),
+            Self::Config(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),
             Self::Man(cmd) => cmd.run(context, out),
         }

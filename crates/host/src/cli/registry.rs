@@ -7,6 +7,7 @@ use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use rsapien_registry::{CONTENT_HASH_SHORT, Registry, RegistryError};
 
+use super::context::Context;
 use super::diagnostics::{Failure, Result};
 use crate::data;
 
@@ -20,9 +21,10 @@ pub(crate) struct RegistryOptions {
 
 impl RegistryOptions {
     /// Opens the registry; a new one knows the seed library.
-    pub(crate) fn open(&self) -> Result<Registry> {
+    pub(crate) fn open(&self, context: &Context) -> Result<Registry> {
         // A variable that is set to nothing is not set.
-        if let Some(path) = self.registry.as_ref().filter(|path| !path.as_os_str().is_empty()) {
+        let asked_for = self.registry.as_ref().filter(|path| !path.as_os_str().is_empty());
+        if let Some(path) = asked_for.or(context.registry.as_ref()) {
             return Ok(Registry::open(path)?);
         }
         let path = data::registry_file().ok_or_else(|| {

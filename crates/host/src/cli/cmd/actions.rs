@@ -64,7 +64,7 @@ enum Command {
 
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
-        let registry = self.registry.open()?;
+        let registry = self.registry.open(context)?;
         match self.command {
             Command::List(cmd) => cmd.run(context, &registry, out),
             Command::Show(cmd) => cmd.run(context, &registry, out),

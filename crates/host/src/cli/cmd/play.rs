@@ -67,7 +67,7 @@ impl Cmd {
             mirrored: self.mirrored,
             arguments,
         };
-        let compiled = self.registry.open()?.compile(&self.action, &options)?;
+        let compiled = self.registry.open(context)?.compile(&self.action, &options)?;
         let open = robot::open(context, &format!("play {}", self.action), self.pace)?;
         let mut motion = open.ready_motion(context, out)?;
         let from = self.from.as_deref();

@@ -238,3 +238,71 @@ fn the_page_of_actions_shows_the_library() {
     let picture = std::fs::read_to_string(rsapien_tests::workspace().join(path)).unwrap();
     assert_eq!(picture, rsapien_tests::library::picture(name));
 }
+
+#[test]
+fn pivots_turn_on_the_spot_and_backing_off_goes_back() {
+    for seed in SEEDS {
+        let [left, right] = ["pivot-left", "pivot-right"].map(|name| play(&[name], seed));
+        for (played, sense) in [(&left, 1.0), (&right, -1.0)] {
+            let (forward_m, left_m, turned_rad) = played.way();
+            println!("{} (seed {seed}): {turned_rad:.4} rad, {forward_m:.4} m", played.name);
+            assert!(sense * turned_rad > 0.1, "{} (seed {seed}): {turned_rad} rad", played.name);
+            assert!(
+                forward_m.hypot(left_m) < 0.02,
+                "{} (seed {seed}): it walked away",
+                played.name
+            );
+            played.ends_in_a_stable_stand();
+        }
+        let back = play(&["back-off"], seed);
+        assert!(back.way().0 < -0.05, "seed {seed}: {:?}", back.way());
+        assert!(play(&["explore"], seed).way().0 > 0.3, "seed {seed}");
+    }
+}
+
+#[test]
+fn shows_and_greetings_stay_where_they_are_and_end_standing() {
+    let names = [
+        "ready",
+        "stretch",
+        "lean-left",
+        "lean-right",
+        "march",
+        "wave-left",
+        "wave-both",
+        "sway",
+        "salute",
+        "hug",
+        "cheer",
+        "clap",
+        "drum",
+        "swim",
+        "conduct",
+        "shrug",
+        "point-right",
+        "point-left",
+    ];
+    for seed in SEEDS {
+        for name in names {
+            let played = play(&[name], seed);
+            played.ends_in_a_stable_stand();
+            let (forward_m, left_m, turned_rad) = played.way();
+            assert!(forward_m.hypot(left_m) < 0.02, "{name} (seed {seed}): it walked away");
+            assert!(turned_rad.abs() < 0.05, "{name} (seed {seed}): it turned");
+        }
+        let raised = |name: &str, joint| play(&[name], seed).times_at_ends(joint).0;
+        assert_eq!(raised("wave-left", Joint::LeftArm), 3, "seed {seed}");
+        assert_eq!(raised("wave-both", Joint::LeftArm), raised("wave-both", Joint::RightArm));
+        assert_eq!(raised("cheer", Joint::LeftArm), 2, "seed {seed}");
+    }
+}
+
+/// What the checker reckons with and cannot import.
+#[test]
+fn the_checker_reckons_with_the_virtual_body() {
+    use rsapien_registry::check::{BATTERY_MOTOR_S, FREE_TILT};
+    use rsapien_sim::body::{Drain, FREE_TILT as OF_THE_BODY};
+    assert!((FREE_TILT - OF_THE_BODY).abs() < f64::EPSILON);
+    let drop_uv = BATTERY_MOTOR_S * u64::from(Drain::default().motor_uv_per_s);
+    assert_eq!(drop_uv, 1_500_000, "docs/rules.md says 1.5 V");
+}

@@ -44,6 +44,9 @@ def test_an_action_built_in_code_is_the_text_one_would_write():
 
 
 def test_findings_have_a_place():
+    turns = Action("turns").play("pivot-left", times=3, arguments={"times": 2})
+    assert "play pivot-left(times = 2) times 3" in turns.text
+    assert [finding.rule for finding in turns.check()] == ["needs-the-pc"]
     (finding,) = Action("nod").do("tilt-left", ms=300).do("tilt-right").check()
     assert (finding.rule, finding.line, finding.severity) == ("too-short", 2, "error")
     assert "200 ms more" in finding.help

@@ -1,6 +1,6 @@
 //! What a registry keeps, refuses and says.
 
-use rsapien_protocol::{Joint, Primitive};
+use rsapien_protocol::{Joint, Pose, Position, Primitive};
 use rsapien_registry::{
     ActionDraft, CompileOptions, ImportPolicy, Query, Registry, RegistryError, Rule, Statement,
     Trials,
@@ -53,6 +53,71 @@ fn the_seed_library_is_there_and_its_summaries_are_those_of_the_compiled() {
         let action = registry.get(&summary.name).unwrap();
         assert_eq!(action.warnings, [""; 0], "{}", summary.name);
     }
+}
+
+/// Follows every seeded action from the pose that INIT leaves, with travel a little quicker than
+/// seeded durations have it, and looks where joints are at each step's end.
+#[test]
+fn seeded_joints_arrive_before_their_next_order() {
+    let registry = registry();
+    for summary in registry.list().unwrap() {
+        let compiled = registry.compile(&summary.name, &CompileOptions::default()).unwrap();
+        // Where a joint is: 0 at its first position, 2 full travels of half each to its last.
+        let mut at = [1_u32; Joint::COUNT];
+        let mut left_ms = [0_u32; Joint::COUNT];
+        for (step, source) in compiled.steps.iter().zip(&compiled.sources) {
+            for joint in Joint::ALL {
+                let index = usize::from(joint.index());
+                if let Some(position) = step.pose.get(joint) {
+                    assert_eq!(left_ms[index], 0, "{source:?}: {joint} is still travelling");
+                    let target = u32::from(position.number()) - 1;
+                    left_ms[index] =
+                        at[index].abs_diff(target) * u32::from(joint.full_travel_ms()) / 2;
+                    at[index] = target;
+                }
+                left_ms[index] = left_ms[index].saturating_sub(u32::from(step.duration_ms));
+            }
+        }
+        assert_eq!(left_ms, [0; Joint::COUNT], "{}: joints still travel at its end", summary.name);
+    }
+}
+
+/// Dynamic walking: with the trunk tilted to a side the leg of that side carries the weight, and
+/// going from front to back it drives the robot forward.
+#[test]
+fn walking_drives_both_legs_alike_and_turning_one() {
+    let drives = |name: &str| {
+        let compiled = registry().compile(name, &CompileOptions::default()).unwrap();
+        let mut pose = Pose::MIDDLE;
+        let mut driven = [0_i32; 2];
+        for step in compiled.steps {
+            let tilt = step.pose.get(Joint::Tilt).or(pose.get(Joint::Tilt));
+            for (slot, leg) in [(0, Joint::LeftLeg), (1, Joint::RightLeg)] {
+                let carries = match tilt {
+                    Some(Position::First) => leg == Joint::LeftLeg,
+                    Some(Position::Last) => leg == Joint::RightLeg,
+                    _ => true,
+                };
+                if let (Some(from), Some(to)) = (pose.get(leg), step.pose.get(leg))
+                    && carries
+                {
+                    driven[slot] += i32::from(to.number()) - i32::from(from.number());
+                }
+            }
+            for primitive in step.pose.primitives() {
+                pose = pose.with(primitive.joint(), Some(primitive.position()));
+            }
+        }
+        let ends_standing = [Joint::Tilt, Joint::LeftLeg, Joint::RightLeg]
+            .into_iter()
+            .all(|joint| pose.get(joint) == Some(Position::Middle));
+        assert!(ends_standing, "{name}");
+        (driven[0], driven[1])
+    };
+    assert_eq!(drives("walk-forward"), (4, 4));
+    assert_eq!(drives("walk-backward"), (-4, -4));
+    assert_eq!(drives("turn-left"), (0, 4));
+    assert_eq!(drives("turn-right"), (4, 0));
 }
 
 #[test]
@@ -306,4 +371,17 @@ fn what_is_derived_can_be_made_anew() {
         registry.search(&Query { text: "hug".into(), ..Query::default() }).unwrap().len(),
         1
     );
+}
+
+#[test]
+fn actions_nest_32_deep() {
+    let mut registry = registry();
+    import(&mut registry, "action n1 { wait 1ms }").unwrap();
+    for depth in 2..=32 {
+        import(&mut registry, &format!("action n{depth} {{ play n{} }}", depth - 1)).unwrap();
+    }
+    let compiled = registry.compile("n32", &CompileOptions::default()).unwrap();
+    assert_eq!(compiled.steps.len(), 1);
+    assert_eq!(&*compiled.sources[0].action, "n1");
+    assert_eq!(rules(import(&mut registry, "action n33 { play n32 }")), [Rule::OutOfRange]);
 }

@@ -17,7 +17,7 @@ What is wrong with it is told by :meth:`Action.check`, as for an action that was
 from __future__ import annotations
 
 from contextlib import contextmanager
-from typing import Any, Iterator, Optional, Sequence, Union
+from typing import Any, Iterator, Mapping, Optional, Sequence, Union
 
 from rsapien import _rsapien
 
@@ -110,16 +110,18 @@ class Action:
         times: Number = 1,
         speed: Number = 1,
         mirrored: bool = False,
-        **arguments: Union[Number, str],
+        arguments: Optional[Mapping[str, Union[Number, str]]] = None,
+        **more: Union[Number, str],
     ) -> Action:
-        """Another action. Values of its parameters are given by name, with ``_`` for ``-``.
+        """Another action. Values of its parameters are given by name, with ``_`` for ``-``, or in ``arguments``
+        where a parameter is called like something here (``times``).
 
         Times are given as in the language (``"650ms"``), numbers as numbers.
         """
         text = f"play {action}"
-        if arguments:
-            values = (f"{name.replace('_', '-')} = {_number(value)}" for name, value in arguments.items())
-            text += f"({', '.join(values)})"
+        values = _arguments({**(arguments or {}), **more})
+        if values:
+            text += f"({', '.join(f'{name} = {value}' for name, value in values.items())})"
         text += " mirrored" if mirrored else ""
         text += "" if speed == 1 else f" at {_number(speed)}"
         text += "" if times == 1 else f" times {_number(times)}"

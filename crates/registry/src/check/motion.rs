@@ -5,6 +5,9 @@ mod arrival;
 mod effort;
 mod legs;
 
+pub use effort::BATTERY_MOTOR_S;
+pub use legs::FREE_TILT;
+
 use rsapien_protocol::Joint;
 
 use super::{Finding, Rule};

@@ -122,6 +122,14 @@ impl Place<'_> {
         }
     }
 
+    /// The speed at which an action is played from here.
+    fn speed_of(&self, play: &Play) -> Result<f64, Finding> {
+        match &play.speed {
+            Some(speed) => Ok(self.speed * speed_of(speed, self.values)?),
+            None => Ok(self.speed),
+        }
+    }
+
     fn scaled_ms(&self, duration_ms: u32) -> u64 {
         // At least one; a float too large for the type becomes its largest value.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
@@ -295,10 +303,7 @@ impl Walk<'_> {
     ) -> Result<(), Finding> {
         let (draft, values) = self.prepare(play, place, span)?;
         let times = times_of(play, place.values)?;
-        let speed = match &play.speed {
-            Some(speed) => place.speed * speed_of(speed, place.values)?,
-            None => place.speed,
-        };
+        let speed = place.speed_of(play)?;
         let name: Arc<str> = Arc::from(play.action.text.as_str());
         let inner = Place {
             values: &values,
@@ -380,10 +385,7 @@ impl Walk<'_> {
         };
         self.spend(RESPONSE_COST, span, place)?;
         let (draft, values) = self.prepare(play, place, span)?;
-        let speed = match &play.speed {
-            Some(speed) => place.speed * speed_of(speed, place.values)?,
-            None => place.speed,
-        };
+        let speed = place.speed_of(play)?;
         let key = ResponseKey {
             action: play.action.text.clone(),
             values,

@@ -14,7 +14,7 @@ const WINDOW_MS: u64 = 10_000;
 const AGAINST_STOP_MS_MAX: u64 = 1500;
 /// What fresh batteries give, in seconds of one running motor: 1.5 V at 20 microvolts a second, as the
 /// virtual robot's batteries drain.
-const BATTERY_MOTOR_S: u64 = 75_000;
+pub const BATTERY_MOTOR_S: u64 = 75_000;
 /// The share of it above which an action is told to drain the batteries, in percent.
 const SHARE_PERCENT_MAX: u64 = 5;
 

@@ -6,8 +6,8 @@ use super::{Look, row};
 use crate::check::{Finding, Rule};
 use crate::motion::Movement;
 
-/// Tilted beyond this share of the trunk's travel from a side, both legs carry weight.
-const FREE_TILT: f64 = 0.35;
+/// Tilted beyond this share of the trunk's travel from a side, both legs carry weight; as in the virtual body.
+pub const FREE_TILT: f64 = 0.35;
 /// The travel of one leg that the other may lack: walking begins with half a stride.
 const HALF_STRIDE: f64 = 0.5;
 /// Beside that, how much one leg may travel less than the other, as a share.

@@ -50,8 +50,8 @@ impl Failure {
     /// A text of actions that the checker refuses; it is shown with its places, as of `file_name`.
     pub(crate) fn findings(findings: Findings, file_name: &str) -> Self {
         let message = match findings.errors().count() {
-            1 => "the checker refuses it, nothing was stored".to_owned(),
-            count => format!("the checker refuses it ({count} errors), nothing was stored"),
+            1 => "the checker refuses it".to_owned(),
+            count => format!("the checker refuses it ({count} errors)"),
         };
         let findings = Some(Box::new((findings, file_name.to_owned())));
         Self { findings, ..Self::new(message) }

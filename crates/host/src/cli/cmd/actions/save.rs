@@ -41,16 +41,21 @@ pub(super) fn save_text(
 ) -> Result<ImportReport> {
     let checked = registry.check_text(text)?;
     if checked.findings.has_errors() {
-        return Err(Failure::findings(checked.findings, file_name));
+        return Err(refused(checked.findings, file_name));
     }
     let trials = try_all(context, &checked.actions)?;
     let kept = kept(&trials)?;
     let report = registry.import_text(text, policy, &kept).map_err(|error| match error {
-        RegistryError::Refused(findings) => Failure::findings(findings, file_name),
+        RegistryError::Refused(findings) => refused(findings, file_name),
         other => other.into(),
     })?;
     warn(context, &checked.findings, &trials, file_name);
     Ok(report)
+}
+
+/// What is wrong with a text that was to be saved.
+fn refused(findings: Findings, file_name: &str) -> Failure {
+    Failure::findings(findings, file_name).hint("nothing was stored")
 }
 
 /// How the actions of a text go on the virtual body, as it is kept with them.
@@ -62,7 +67,7 @@ pub(super) fn try_text(
 ) -> Result<Trials> {
     let checked = registry.check_text(text)?;
     if checked.findings.has_errors() {
-        return Err(Failure::findings(checked.findings, file_name));
+        return Err(refused(checked.findings, file_name));
     }
     kept(&try_all(context, &checked.actions)?)
 }

@@ -114,6 +114,23 @@ pub enum Error {
         /// Who holds it.
         by: Holder,
     },
+    /// Another action is being played, or waits, and the policy chosen leaves it alone.
+    #[error(
+        "{action} was not played: {} in its way{}; play it with the policy queue or replace, or end the other",
+        match by.as_slice() {
+            [one] => format!("{one} is"),
+            several => format!("{} are", crate::stage::list(several)),
+        },
+        if joints.is_empty() { String::new() } else { format!(", which has {}", joints.join(", ")) }
+    )]
+    Claimed {
+        /// What was to be played.
+        action: String,
+        /// What is being played or waits.
+        by: Vec<crate::Claim>,
+        /// The joints that both need, where that is the reason.
+        joints: Vec<&'static str>,
+    },
     /// The lock between programs cannot be taken, for a reason other than another holder.
     #[error(
         "cannot lock {path}: {source}; such files keep two programs off one robot, so make their folder one that you may write to"
@@ -220,6 +237,7 @@ impl Error {
             self,
             Error::Refused { .. }
                 | Error::Held { .. }
+                | Error::Claimed { .. }
                 | Error::Interrupted { .. }
                 | Error::Displaced { .. }
                 | Error::NoRobot { .. }

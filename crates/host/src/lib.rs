@@ -60,6 +60,7 @@ mod player;
 mod ports;
 mod record;
 mod robot;
+mod stage;
 mod state;
 mod stop;
 #[cfg(feature = "trial")]
@@ -84,5 +85,6 @@ pub use rsapien_registry as registry;
 /// The virtual robot: its world, its camera, its faults.
 #[cfg(feature = "virtual")]
 pub use rsapien_sim as sim;
+pub use stage::{Admission, Claim, Policy, Stage, Terms};
 pub use state::{Interruption, LineCounts, LinkState, RobotState, Stamped};
 pub use stop::{StopOptions, StopReport, StopSeen, emergency_stop};

@@ -23,9 +23,11 @@
 //! An action is done when the robot itself says so: its count of ended steps has grown by the
 //! steps sent, it is idle, and it was neither stopped, held nor reset in between.
 
+mod floor;
 mod outcome;
 mod perform;
 mod run;
+mod source;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,9 +36,11 @@ use rsapien_protocol::Step;
 
 pub use outcome::{Outcome, PlayReport, Progress, StepReached};
 
-pub(crate) use outcome::interruption;
+pub(crate) use floor::Floor;
+pub(crate) use outcome::{ending_bumpers, interruption};
 pub(crate) use perform::perform;
-pub(crate) use run::play;
+pub(crate) use run::{RunEnd, play, run};
+pub(crate) use source::{POLL_AHEAD_MS, Seen, Source, duration_ms, is_paused};
 
 use crate::Error;
 
@@ -124,7 +128,7 @@ impl Default for PlayOptions<'_> {
 }
 
 /// Refuses what a player cannot play; nothing was sent then.
-fn check(steps: &[Step]) -> Result<(), Error> {
+pub(crate) fn check(steps: &[Step]) -> Result<(), Error> {
     let out_of_range = |what, value: String, range| Err(Error::OutOfRange { what, value, range });
     if steps.is_empty() {
         return out_of_range("number of steps", "0".to_owned(), "an action has at least one");

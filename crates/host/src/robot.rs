@@ -92,6 +92,10 @@ impl Inner {
         Ok(())
     }
 
+    pub(crate) fn program(&self) -> &str {
+        &self.program
+    }
+
     pub(crate) fn release(&self, controller: Controller) {
         if let Some(place) = self.holders().get_mut(controller as usize) {
             *place = None;

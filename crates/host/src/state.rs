@@ -126,6 +126,9 @@ pub enum Interruption {
     /// The caller cancelled it.
     #[error("its caller")]
     Cancelled,
+    /// Another action replaced it.
+    #[error("an action that replaced it")]
+    Replaced,
     /// None of these bumpers was pressed while the action waited for one.
     #[error("a wait in vain for {}", bumper_text(*.0))]
     WaitInVain(BumperMask),

@@ -103,7 +103,8 @@ impl MotionController {
         steps: &[Step],
         options: &mut PlayOptions<'_>,
     ) -> Result<PlayReport, Error> {
-        player::play(&self.held.inner.line, steps, options)
+        let line = &self.held.inner.line;
+        player::play(line, steps, options, line.stop_generation())
     }
 
     /// Plays a compiled action to its end: its steps, its waits for bumpers, and what it does when one
@@ -188,6 +189,10 @@ impl MotionController {
     /// [`Error::NoAnswer`] or [`Error::LinkLost`]: the robot's dead-man is left to stop it.
     pub fn stop(&self) -> Result<(), Error> {
         self.held.inner.line.stop()
+    }
+
+    pub(crate) fn inner(&self) -> &Arc<Inner> {
+        &self.held.inner
     }
 
     fn request(&self, request: Request) -> Result<MotionReport, Error> {

@@ -24,6 +24,9 @@ pub struct Progress {
     pub waiting_for: BumperMask,
     /// Whether it stands still because it was paused.
     pub is_paused: bool,
+    /// The index, among the action's handlers, of what is played instead of the rest; then everything
+    /// here is told of that. None while the action itself is played.
+    pub handler: Option<usize>,
 }
 
 /// How an action ended.
@@ -104,6 +107,25 @@ pub struct PlayReport {
     pub evidence: Option<MotionReport>,
 }
 
+impl PlayReport {
+    /// What ended before anything was sent for it.
+    pub(crate) fn unplayed(action: &str, steps_total: usize, by: Interruption) -> PlayReport {
+        PlayReport {
+            outcome: Outcome::Interrupted { by },
+            reached: None,
+            instead: None,
+            action: action.to_owned(),
+            steps_ended: 0,
+            steps_accepted: 0,
+            steps_total,
+            elapsed_ms: 0,
+            pauses: 0,
+            before: None,
+            evidence: None,
+        }
+    }
+}
+
 /// `done: 12 of 12 steps in 6012 ms`.
 impl fmt::Display for PlayReport {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -153,7 +175,7 @@ fn pressed_since(before: &MotionReport, report: &MotionReport, ending: BumperMas
 }
 
 /// The bumpers that end one of `steps`.
-pub(super) fn ending_bumpers(steps: &[Step]) -> BumperMask {
+pub(crate) fn ending_bumpers(steps: &[Step]) -> BumperMask {
     let bits = steps.iter().fold(0, |bits, step| bits | step.ending_bumpers.bits());
     BumperMask::from_low_bits(bits)
 }

@@ -5,27 +5,30 @@ use rsapien_protocol::{BumperMask, Mode, MotionReport};
 use rsapien_registry::{CompiledAction, Reaction, Wait};
 
 use super::outcome::{Outcome, PlayReport, Progress, StepReached, interruption};
-use super::run::{POLL_MS, ask, play};
-use super::{PlayOptions, ProgressSink};
+use super::run::ask;
+use super::source::POLL_MS;
+use super::{Floor, PlayOptions, ProgressSink};
 use crate::line::Line;
 use crate::{Error, Interruption};
 
-/// Plays `action` to its end.
+/// Plays `action` to its end on `floor`.
 pub(crate) fn perform(
-    line: &Line,
+    floor: &dyn Floor,
     action: &CompiledAction,
     options: &mut PlayOptions<'_>,
 ) -> Result<PlayReport, Error> {
     let first = first_step(action, options.from_label.as_deref())?;
     if action.steps.is_empty() && action.waits.is_empty() {
         // Refused as an action without steps is.
-        return play(line, &[], options);
+        return floor.play(&[], options, floor.stop_generation());
     }
     let mut told = Performance {
-        line,
+        floor,
+        line: floor.line(),
         action,
         on_progress: options.on_progress.take(),
-        begun_ms: line.now_ms(),
+        begun_ms: floor.line().now_ms(),
+        stop_generation: floor.stop_generation(),
         report: PlayReport {
             outcome: Outcome::Done,
             reached: None,
@@ -44,7 +47,7 @@ pub(crate) fn perform(
     let played = told.sections(options);
     options.on_progress = told.on_progress.take();
     played?;
-    told.report.elapsed_ms = line.now_ms().saturating_sub(told.begun_ms);
+    told.report.elapsed_ms = told.line.now_ms().saturating_sub(told.begun_ms);
     Ok(told.report)
 }
 
@@ -61,10 +64,13 @@ fn first_step(action: &CompiledAction, label: Option<&str>) -> Result<usize, Err
 }
 
 struct Performance<'a, 'o> {
+    floor: &'a dyn Floor,
     line: &'a Line,
     action: &'a CompiledAction,
     on_progress: Option<ProgressSink<'o>>,
     begun_ms: u64,
+    /// STOP since then ends it, and nothing is played after it.
+    stop_generation: u64,
     report: PlayReport,
     /// The first step that is played.
     first: usize,
@@ -101,7 +107,6 @@ impl Performance<'_, '_> {
         if steps.is_empty() {
             return Ok(());
         }
-        let stop_generation = self.line.stop_generation();
         let (report, on_progress) = {
             let mut sink = self.on_progress.take();
             let tell = self.teller();
@@ -114,7 +119,7 @@ impl Performance<'_, '_> {
                 }),
                 wait_for_rest: options.wait_for_rest || !is_last,
             };
-            let report = play(self.line, steps, &mut own);
+            let report = self.floor.play(steps, &mut own, self.stop_generation);
             drop(own);
             (report, sink)
         };
@@ -133,7 +138,7 @@ impl Performance<'_, '_> {
         self.reach(index);
         if let Outcome::Interrupted { by: Interruption::Bumper(pressed) } = &self.report.outcome {
             let reactions = self.action.reactions.get(index).copied().unwrap_or_default();
-            self.react(reactions.to(*pressed), stop_generation, options)?;
+            self.react(reactions.to(*pressed), options)?;
         }
         Ok(())
     }
@@ -145,36 +150,37 @@ impl Performance<'_, '_> {
     }
 
     /// Plays what a reaction asks for instead of the rest. The hold of a bumper is released for it.
-    fn react(
-        &mut self,
-        reaction: Reaction,
-        stop_generation: u64,
-        options: &PlayOptions<'_>,
-    ) -> Result<(), Error> {
+    fn react(&mut self, reaction: Reaction, options: &PlayOptions<'_>) -> Result<(), Error> {
         let Reaction::Play(index) = reaction else { return Ok(()) };
         let Some(handler) = self.action.handlers.get(index) else { return Ok(()) };
         // A STOP of somebody else is not to be followed by a motion.
-        if self.line.stop_generation() != stop_generation || options.cancel.is_cancelled() {
+        if self.floor.ended().is_some()
+            || options.cancel.is_cancelled()
+            || !self.floor.release(self.stop_generation)
+        {
             return Ok(());
         }
-        if self.line.stop().is_err() || self.line.stop_generation() != stop_generation + 1 {
-            return Ok(());
-        }
+        let mut sink = self.on_progress.take();
         let mut own = PlayOptions {
             cancel: options.cancel.clone(),
             pause: options.pause.clone(),
             from_label: None,
-            on_progress: None,
+            on_progress: sink.as_mut().map(|sink| -> ProgressSink<'_> {
+                Box::new(move |told| sink(&Progress { handler: Some(index), ..*told }))
+            }),
             wait_for_rest: options.wait_for_rest,
         };
-        self.report.instead = Some(Box::new(perform(self.line, handler, &mut own)?));
+        let instead = perform(self.floor, handler, &mut own);
+        drop(own);
+        self.on_progress = sink;
+        self.report.instead = Some(Box::new(instead?));
         Ok(())
     }
 
     /// Watches the bumpers. A press is seen by the robot's count of presses, however short it is.
     fn wait(&mut self, wait: &Wait, options: &PlayOptions<'_>) -> Result<(), Error> {
-        let stop_generation = self.line.stop_generation();
-        let begun = match ask(self.line) {
+        let mut own_stops = self.floor.own_stops();
+        let mut begun = match ask(self.line) {
             Ok(report) => report,
             Err(error) => return self.end_wait_without_link(wait, error),
         };
@@ -187,9 +193,16 @@ impl Performance<'_, '_> {
         let mut latest = begun;
         loop {
             self.report.evidence = Some(latest);
-            if options.cancel.is_cancelled() {
-                self.end_wait(wait, Interruption::Cancelled);
+            let is_cancelled = options.cancel.is_cancelled();
+            let ended = is_cancelled.then_some(Interruption::Cancelled).or(self.floor.ended());
+            if let Some(by) = ended {
+                self.end_wait(wait, by);
                 return Ok(());
+            }
+            if self.floor.own_stops() != own_stops {
+                // The floor stopped the robot for another action, which ended; this one goes on.
+                own_stops = self.floor.own_stops();
+                begun = MotionReport { mode: latest.mode, ..begun };
             }
             if let Some(by) = interruption(&begun, &latest, BumperMask::NONE) {
                 // Before the first step the robot may well stand stopped or held.
@@ -199,7 +212,7 @@ impl Performance<'_, '_> {
                     return Ok(());
                 }
             }
-            if self.line.stop_generation() != stop_generation {
+            if self.floor.stop_generation() != self.stop_generation {
                 self.end_wait(wait, Interruption::Stop);
                 return Ok(());
             }
@@ -221,7 +234,7 @@ impl Performance<'_, '_> {
         }
         self.end_wait(wait, Interruption::WaitInVain(wait.bumpers));
         let stands = matches!(latest.mode, Mode::Idle | Mode::Stopped);
-        if stands { self.react(wait.otherwise, stop_generation, options) } else { Ok(()) }
+        if stands { self.react(wait.otherwise, options) } else { Ok(()) }
     }
 
     fn end_wait(&mut self, wait: &Wait, by: Interruption) {
@@ -298,6 +311,7 @@ impl Teller {
             label: self.label(wait.before_step),
             waiting_for: wait.bumpers,
             is_paused: false,
+            handler: None,
         }
     }
 

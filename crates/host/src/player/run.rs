@@ -1,55 +1,65 @@
 //! One run of the player.
 
-use rsapien_protocol::{Address, BumperMask, Mode, MotionReport, Report, Request, Status, Step};
+use rsapien_protocol::{Address, Mode, MotionReport, Report, Request, Status, Step};
 
-use super::outcome::{Outcome, PlayReport, Progress, ending_bumpers, interruption};
+use super::outcome::{Outcome, PlayReport, interruption};
+use super::source::{List, POLL_MS, Seen, Source};
 use super::{PlayOptions, check};
 use crate::line::{Answer, Line};
 use crate::{Error, Interruption};
 
-/// How often the state is asked for while the player has nothing to send, in ms.
-pub(super) const POLL_MS: u64 = 50;
-/// The shortest sleep, in ms: less than a package takes.
-const SLEEP_MS_MIN: u64 = 5;
-
-/// Plays `steps` to their end.
+/// Plays `steps` to their end; STOP since `stop_generation` ends them.
 pub(crate) fn play(
     line: &Line,
     steps: &[Step],
     options: &mut PlayOptions<'_>,
+    stop_generation: u64,
 ) -> Result<PlayReport, Error> {
     check(steps)?;
-    let before = wait_until_free(line, steps, options)?;
-    let mut run = Run {
-        line,
-        steps,
-        options,
-        stop_generation: line.stop_generation(),
-        ending: ending_bumpers(steps),
-        total_ms: steps.iter().map(|step| u64::from(step.duration_ms)).sum(),
-        begun_ms: line.now_ms(),
-        before,
-        latest: before,
-        accepted: 0,
-        ended: 0,
-        pauses: 0,
-        was_paused: false,
-    };
-    run.tell_progress();
-    let outcome = run.run()?;
+    let replaces = steps.first().is_some_and(|step| step.replace);
+    let mut list = List::new(steps, options);
+    let run = run(line, &mut list, replaces, stop_generation)?;
     Ok(PlayReport {
-        outcome,
+        outcome: run.outcome,
         reached: None,
         instead: None,
         action: String::new(),
-        before: Some(before),
+        before: Some(run.before),
         steps_ended: run.ended,
         steps_accepted: run.accepted,
         steps_total: steps.len(),
         elapsed_ms: line.now_ms().saturating_sub(run.begun_ms),
-        pauses: run.pauses,
+        pauses: list.pauses,
         evidence: Some(run.latest),
     })
+}
+
+/// How a run ended.
+pub(crate) struct RunEnd {
+    pub(crate) outcome: Outcome,
+    pub(crate) before: MotionReport,
+    pub(crate) latest: MotionReport,
+    pub(crate) accepted: usize,
+    pub(crate) ended: usize,
+    pub(crate) begun_ms: u64,
+}
+
+/// Sends what `source` gives until it is over or something ends it, STOP since `stop_generation` among
+/// it. What the robot is doing ends first, unless the first step replaces it.
+pub(crate) fn run(
+    line: &Line,
+    source: &mut dyn Source,
+    replaces: bool,
+    stop_generation: u64,
+) -> Result<RunEnd, Error> {
+    let before = wait_until_free(line, source, replaces)?;
+    let mut run =
+        Run { line, source, stop_generation, before, latest: before, accepted: 0, ended: 0 };
+    let begun_ms = line.now_ms();
+    run.tell();
+    let outcome = run.run()?;
+    let Run { latest, accepted, ended, .. } = run;
+    Ok(RunEnd { outcome, before, latest, accepted, ended, begun_ms })
 }
 
 /// Asks the motion controller for its state.
@@ -62,56 +72,56 @@ pub(super) fn ask(line: &Line) -> Result<MotionReport, Error> {
     Ok(report)
 }
 
-/// Waits until what the robot is doing has ended, unless the first step replaces it.
+/// Waits until what the robot is doing has ended.
 fn wait_until_free(
     line: &Line,
-    steps: &[Step],
-    options: &PlayOptions<'_>,
+    source: &dyn Source,
+    replaces: bool,
 ) -> Result<MotionReport, Error> {
-    let replaces = steps.first().is_some_and(|step| step.replace);
     loop {
         let report = ask(line)?;
         let is_busy = matches!(report.mode, Mode::Initialising | Mode::Executing);
         // A cancelled action is told from the run, which stops the motors first.
-        if !is_busy || replaces || options.cancel.is_cancelled() {
+        if !is_busy || replaces || source.is_cancelled() {
             return Ok(report);
         }
         line.sleep_ms(POLL_MS)?;
     }
 }
 
-struct Run<'a, 'o> {
+struct Run<'a> {
     line: &'a Line,
-    steps: &'a [Step],
-    options: &'a mut PlayOptions<'o>,
+    source: &'a mut dyn Source,
     /// STOP since then ends the action, even before the robot tells of it.
     stop_generation: u64,
-    ending: BumperMask,
-    total_ms: u64,
-    begun_ms: u64,
     before: MotionReport,
     latest: MotionReport,
     accepted: usize,
     ended: usize,
-    pauses: usize,
-    /// Whether nothing was sent for a pause since the last step.
-    was_paused: bool,
 }
 
-impl Run<'_, '_> {
+impl Run<'_> {
+    fn seen(&self) -> Seen {
+        let Run { accepted, ended, latest, line, .. } = self;
+        Seen { accepted: *accepted, ended: *ended, latest: *latest, now_ms: line.now_ms() }
+    }
+
+    fn tell(&mut self) {
+        let seen = self.seen();
+        self.source.told(&seen);
+    }
+
     fn run(&mut self) -> Result<Outcome, Error> {
         loop {
-            if self.options.cancel.is_cancelled() {
+            if self.source.is_cancelled() {
                 return Ok(self.end_cancelled());
             }
-            let next = self.steps.get(self.accepted).copied();
-            let may_send = self.may_send();
-            let told = match next {
-                Some(step) if may_send => self.send(step),
-                _ => {
-                    self.line.sleep_ms(self.sleep_ms())?;
-                    self.ask_twice().map(|report| self.take(report))
-                }
+            let seen = self.seen();
+            let told = if let Some(step) = self.source.next(&seen) {
+                self.send(step)
+            } else {
+                self.line.sleep_ms(self.source.sleep_ms(&seen))?;
+                self.ask_twice().map(|report| self.take(report))
             };
             let outcome = match told {
                 Ok(outcome) => outcome,
@@ -121,23 +131,6 @@ impl Run<'_, '_> {
                 return Ok(outcome);
             }
         }
-    }
-
-    /// Whether the next step may be sent now.
-    fn may_send(&mut self) -> bool {
-        let Some(pause) = &self.options.pause else {
-            return self.accepted == 0 || self.latest.queue_free > 0;
-        };
-        if pause.is_paused() {
-            let stands = self.ended == self.accepted && self.latest.motors == 0;
-            if stands && !self.was_paused {
-                self.was_paused = true;
-                self.tell_progress();
-            }
-            return false;
-        }
-        let has_room = self.accepted == 0 || self.latest.queue_free > 0;
-        has_room && self.accepted < self.ended + 2
     }
 
     /// Sends the next step. The outcome, if that ended the action.
@@ -151,14 +144,13 @@ impl Run<'_, '_> {
         };
         match package.status {
             Status::Accepted => {
-                let sent_before = self.accepted;
-                self.accepted += 1;
-                let outcome = self.take(report);
                 // Every step before it had ended when it came.
-                let ran_dry = sent_before > 0 && self.ended >= sent_before;
-                self.pauses += usize::from(ran_dry && !self.was_paused);
-                self.was_paused = false;
-                Ok(outcome)
+                let ran_dry =
+                    self.accepted > 0 && self.ended + self.newly_ended(&report) >= self.accepted;
+                let seen = self.seen();
+                self.source.accepted(&seen, ran_dry);
+                self.accepted += 1;
+                Ok(self.take(report))
             }
             Status::QueueFull => Ok(self.take(MotionReport { queue_free: 0, ..report })),
             status => Ok(Some(self.end_refused(status, report))),
@@ -173,14 +165,14 @@ impl Run<'_, '_> {
         // Another program has taken the session: the robot is its, now.
         let is_ours = !matches!(status, Status::NoSession | Status::OutOfSequence);
         if self.accepted > 0 && is_ours {
-            let _ = self.line.stop();
+            let _ = self.source.stop(self.line);
         }
         Outcome::Refused { status }
     }
 
     /// Takes a report. The outcome, if it tells that the action has ended.
     fn take(&mut self, report: MotionReport) -> Option<Outcome> {
-        let newly_ended = usize::from(report.steps_ended.wrapping_sub(self.latest.steps_ended));
+        let newly_ended = self.newly_ended(&report);
         let was_interrupted = self.interrupted(&report);
         self.latest = report;
         // A reset sets the count to zero.
@@ -189,8 +181,8 @@ impl Run<'_, '_> {
                 return Some(self.end_unaccounted());
             }
             self.ended += newly_ended;
-            self.tell_progress();
         }
+        self.tell();
         if let Some(by) = was_interrupted {
             return Some(Outcome::Interrupted { by });
         }
@@ -200,8 +192,11 @@ impl Run<'_, '_> {
         if self.ended < self.accepted {
             return Some(self.end_unaccounted());
         }
-        let rests = report.motors == 0 || !self.options.wait_for_rest;
-        (self.ended == self.steps.len() && rests).then_some(Outcome::Done)
+        self.source.is_over(&self.seen()).then_some(Outcome::Done)
+    }
+
+    fn newly_ended(&self, report: &MotionReport) -> usize {
+        usize::from(report.steps_ended.wrapping_sub(self.latest.steps_ended))
     }
 
     fn interrupted(&self, report: &MotionReport) -> Option<Interruption> {
@@ -209,15 +204,15 @@ impl Run<'_, '_> {
         if self.accepted == 0 && report.boot == self.before.boot {
             return None;
         }
-        let by = interruption(&self.before, report, self.ending)?;
-        let is_cancelled = by == Interruption::Stop && self.options.cancel.is_cancelled();
+        let by = interruption(&self.before, report, self.source.ending_bumpers())?;
+        let is_cancelled = by == Interruption::Stop && self.source.is_cancelled();
         Some(if is_cancelled { Interruption::Cancelled } else { by })
     }
 
     /// The robot's count does not fit to what it was sent: steps are missing, or not ours.
     fn end_unaccounted(&self) -> Outcome {
         let is_stopped = self.line.stop_generation() != self.stop_generation;
-        let _ = self.line.stop();
+        let _ = self.source.stop(self.line);
         if is_stopped {
             return Outcome::Interrupted { by: Interruption::Stop };
         }
@@ -233,7 +228,7 @@ impl Run<'_, '_> {
         if self.accepted == 0 && !matches!(self.before.mode, Mode::Initialising | Mode::Executing) {
             return Outcome::Interrupted { by: Interruption::Cancelled };
         }
-        match self.line.stop() {
+        match self.source.stop(self.line) {
             Ok(()) => Outcome::Interrupted { by: Interruption::Cancelled },
             Err(error) => {
                 let why = format!("it was cancelled, but STOP was not confirmed: {error}");
@@ -245,7 +240,7 @@ impl Run<'_, '_> {
     /// What a request that failed makes of the action.
     fn end_failed(&mut self, error: Error) -> Result<Outcome, Error> {
         if self.line.stop_generation() != self.stop_generation {
-            let is_cancelled = self.options.cancel.is_cancelled();
+            let is_cancelled = self.source.is_cancelled();
             let by = if is_cancelled { Interruption::Cancelled } else { Interruption::Stop };
             return Ok(Outcome::Interrupted { by });
         }
@@ -259,7 +254,7 @@ impl Run<'_, '_> {
                     self.latest = report;
                     return Ok(Outcome::Interrupted { by });
                 }
-                let _ = self.line.stop();
+                let _ = self.source.stop(self.line);
                 Ok(Outcome::Unknown { why: error.to_string() })
             }
             Error::NoAnswer { .. } | Error::LinkLost { .. } => {
@@ -271,9 +266,9 @@ impl Run<'_, '_> {
 
     /// The robot cannot be asked; at most `arrived` steps have reached it.
     fn end_without_link(&self, error: &Error, arrived: usize) -> Outcome {
-        let cannot_be_done = arrived < self.steps.len() || self.is_cut_by_the_dead_man();
+        let cannot_be_done = self.source.has_more_than(arrived) || self.is_cut_by_the_dead_man();
         // Nothing can be done but to try; silence ends motion all the same.
-        let _ = self.line.stop();
+        let _ = self.source.stop(self.line);
         if cannot_be_done {
             return Outcome::Interrupted { by: Interruption::LinkLost };
         }
@@ -292,9 +287,7 @@ impl Run<'_, '_> {
         };
         let Some(last) = state.motion else { return false };
         let silent_ms = self.line.now_ms().saturating_sub(last.time_ms);
-        let left = self.steps.iter().skip(self.ended + 1);
-        let left_ms: u64 = left.map(|step| u64::from(step.duration_ms)).sum();
-        left_ms > silent_ms.saturating_add(dead_man_ms)
+        self.source.left_ms(self.ended) > silent_ms.saturating_add(dead_man_ms)
     }
 
     /// Asks for the state, and once more when no answer comes: another program that sends STOP may
@@ -303,32 +296,6 @@ impl Run<'_, '_> {
         match ask(self.line) {
             Err(Error::NoAnswer { .. }) => ask(self.line),
             other => other,
-        }
-    }
-
-    /// Until the action should have ended, at most until the next poll.
-    fn sleep_ms(&self) -> u64 {
-        if self.options.pause.is_some() {
-            // One step ahead only: the next has to come soon after this one has ended.
-            return POLL_MS / 5;
-        }
-        let elapsed_ms = self.line.now_ms().saturating_sub(self.begun_ms);
-        let left_ms = self.total_ms.saturating_sub(elapsed_ms);
-        left_ms.clamp(SLEEP_MS_MIN, POLL_MS)
-    }
-
-    fn tell_progress(&mut self) {
-        let progress = Progress {
-            steps_ended: self.ended,
-            steps_total: self.steps.len(),
-            elapsed_ms: self.line.now_ms().saturating_sub(self.begun_ms),
-            total_ms: self.total_ms,
-            label: None,
-            waiting_for: BumperMask::NONE,
-            is_paused: self.was_paused,
-        };
-        if let Some(on_progress) = self.options.on_progress.as_mut() {
-            on_progress(&progress);
         }
     }
 }

@@ -10,3 +10,4 @@ mod perform;
 mod player;
 #[cfg(all(unix, feature = "serial"))]
 mod serial;
+mod stage;

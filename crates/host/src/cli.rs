@@ -10,7 +10,10 @@ mod context;
 mod diagnostics;
 mod exit;
 mod firmware;
+mod floor;
 mod install;
+#[cfg(unix)]
+mod keys;
 mod limits;
 mod output;
 mod performance;

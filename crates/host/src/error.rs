@@ -121,7 +121,7 @@ pub enum Error {
             [one] => format!("{one} is"),
             several => format!("{} are", crate::stage::list(several)),
         },
-        if joints.is_empty() { String::new() } else { format!(", which has {}", joints.join(", ")) }
+        if joints.is_empty() { String::new() } else { format!(" (both need {})", joints.join(", ")) }
     )]
     Claimed {
         /// What was to be played.
@@ -130,6 +130,24 @@ pub enum Error {
         by: Vec<crate::Claim>,
         /// The joints that both need, where that is the reason.
         joints: Vec<&'static str>,
+    },
+    /// The program that holds the line did not play what it was handed.
+    #[cfg(all(feature = "sharing", unix))]
+    #[error("{text}")]
+    HolderRefused {
+        /// What it said.
+        text: String,
+        /// Whether the robot or the program said no, as against a failure.
+        is_refusal: bool,
+    },
+    /// The program that holds the line went, or does not make itself understood.
+    #[cfg(all(feature = "sharing", unix))]
+    #[error(
+        "the program that held the line is gone ({by}): the robot's dead-man stops what it was at"
+    )]
+    HolderGone {
+        /// Who held it.
+        by: Holder,
     },
     /// The lock between programs cannot be taken, for a reason other than another holder.
     #[error(
@@ -233,6 +251,10 @@ impl Error {
     /// Whether the robot, or the holder of what was wanted, said no, as against a failure of the
     /// link, the system or the program.
     pub const fn is_refusal(&self) -> bool {
+        #[cfg(all(feature = "sharing", unix))]
+        if let Error::HolderRefused { is_refusal, .. } = self {
+            return *is_refusal;
+        }
         matches!(
             self,
             Error::Refused { .. }

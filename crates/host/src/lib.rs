@@ -37,7 +37,7 @@
 //! ```
 //!
 //! Features: `serial` (default), `virtual` (the virtual robot), `registry` (actions by name),
-//! `vision`, `video` (films and streams), `webcam` (of these, on Linux), and `cli`, which brings the
+//! `sharing` (one robot for several programs; Unix), `vision`, `video` (films and streams), `webcam` (of these, on Linux), and `cli`, which brings the
 //! `rsapien` command and all of them but `webcam`.
 
 #[doc = include_str!("../README.md")]
@@ -60,6 +60,8 @@ mod player;
 mod ports;
 mod record;
 mod robot;
+#[cfg(all(feature = "sharing", unix))]
+pub mod sharing;
 mod stage;
 mod state;
 mod stop;

@@ -73,6 +73,9 @@ pub(crate) struct Inner {
     #[cfg(feature = "virtual")]
     virtual_robot: Option<link::virtual_robot::SharedVirtualRobot>,
     _lock: Option<LineLock>,
+    /// The folder of the lock, and what stands for the line there.
+    #[cfg(all(feature = "sharing", unix))]
+    lock_place: Option<(PathBuf, String)>,
 }
 
 impl Inner {
@@ -170,9 +173,10 @@ impl Robot {
         finish: impl FnOnce(Inner) -> Inner,
     ) -> Result<Robot, Error> {
         let holder = Holder::this_process(&options.program);
-        let lock = match (&options.lock_folder, connector.lock_key()) {
-            (Some(folder), Some(key)) => Some(LineLock::take(folder, &key, &holder)?),
-            _ => None,
+        let lock_place = options.lock_folder.clone().zip(connector.lock_key());
+        let lock = match &lock_place {
+            Some((folder, key)) => Some(LineLock::take(folder, key, &holder)?),
+            None => None,
         };
         let line_options = LineOptions {
             baud: options.baud,
@@ -196,6 +200,8 @@ impl Robot {
             #[cfg(feature = "virtual")]
             virtual_robot: None,
             _lock: lock,
+            #[cfg(all(feature = "sharing", unix))]
+            lock_place,
         });
         Ok(Robot { inner: Arc::new(inner) })
     }
@@ -203,6 +209,13 @@ impl Robot {
     /// The link's name, as its address is written.
     pub fn link_name(&self) -> &str {
         self.inner.line.name()
+    }
+
+    /// The folder of the lock between programs, and what stands for the line there.
+    #[cfg(all(feature = "sharing", unix))]
+    pub(crate) fn lock_place(&self) -> Option<(&std::path::Path, &str)> {
+        let (folder, key) = self.inner.lock_place.as_ref()?;
+        Some((folder, key))
     }
 
     /// The line's clock in ms. Virtual robot: the robot's clock.

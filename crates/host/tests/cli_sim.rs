@@ -3,53 +3,8 @@
 
 mod support;
 
-use std::io::{BufRead, BufReader};
-use std::process::Child;
-
-use rsapien_sim::control::{BumperName, ControlClient, ControlRequest};
-use support::{Run, User, interrupt, is_png, wait_until};
-
-/// A running `rsapien sim`, ended with the test.
-struct Simulator {
-    child: Child,
-    link: String,
-}
-
-impl Simulator {
-    fn start(user: &User) -> Simulator {
-        let link = user.path("robot").to_string_lossy().into_owned();
-        let mut child = user.start(&["sim", "--pty", &link, "--tcp", "0", "--json"]);
-        let mut text = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut text).unwrap();
-        let answer: serde_json::Value = serde_json::from_str(&text).unwrap();
-        assert_eq!(answer["links"][0], link.as_str());
-        assert!(answer["links"][1].as_str().unwrap().starts_with("tcp://127.0.0.1:"));
-        Simulator { child, link }
-    }
-
-    fn control(&self) -> ControlClient {
-        ControlClient::connect(format!("{}.control", self.link)).unwrap()
-    }
-
-    fn press_left_foot(&self, held: bool) {
-        let press = BumperName::new(0).unwrap();
-        self.control().request(&ControlRequest::Press { press, held }).unwrap();
-    }
-
-    /// Waits until the robot executes a queue.
-    fn wait_until_executing(&self) {
-        let mut control = self.control();
-        wait_until("the robot moves", || control.state().unwrap().motion_mode == "executing");
-    }
-}
-
-impl Drop for Simulator {
-    fn drop(&mut self) {
-        // It has ended already where the test went through.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
+use support::simulator::Simulator;
+use support::{Run, User, interrupt, is_png};
 
 #[test]
 fn a_session_of_commands_on_a_simulated_serial_port() {

@@ -11,10 +11,15 @@ use rsapien_sim::geometry::RobotPose;
 use super::context::Context;
 use super::diagnostics::{Failure, Result};
 use super::exit::Status;
+use super::floor::{self, Floor};
+#[cfg(unix)]
+use super::keys::Keys;
 use super::progress;
 use super::robot::OpenRobot;
 use super::view;
-use crate::{Interruption, MotionController, Outcome, PlayOptions, PlayReport, Progress};
+use crate::{
+    Interruption, MotionController, Outcome, PauseSwitch, PlayOptions, PlayReport, Policy, Progress,
+};
 
 /// Plays `action` and tells how it ended; `name` is what it is called, if it has a name.
 pub(crate) fn play(
@@ -26,24 +31,127 @@ pub(crate) fn play(
     action: &CompiledAction,
     from_label: Option<&str>,
 ) -> Result<Status> {
-    let before = pose(open);
+    let before = pose(Some(open));
     let report = run(context, open, motion, action, from_label)?;
     if open.interrupt.is_raised() {
         return Err(Failure::interrupted());
     }
+    tell(context, out, name, &report)?;
+    tell_moved(context, out, action, from_label, &report, before.zip(pose(Some(open))))?;
     let (_, _, status) = outcome(&report.outcome);
-    let mut answer = json(&report);
+    Ok(status)
+}
+
+/// Plays `action` where other programs may play, too, and tells what becomes of it and how it ended.
+pub(crate) fn play_on(
+    context: &Context,
+    out: &mut impl Write,
+    floor: &mut Floor,
+    policy: Policy,
+    name: Option<&str>,
+    action: &CompiledAction,
+    from_label: Option<&str>,
+) -> Result<Status> {
+    let before = pose(floor.own());
+    if let Floor::Guest { guest, .. } = floor {
+        let (link, holder) = (guest.link_name(), guest.holder());
+        context.style.remark(out, format!("{link} is held by {holder}; it plays for others"))?;
+    }
+    let report = run_on(context, out, floor, policy, name, action, from_label)?;
+    if floor.interrupt().is_raised() {
+        return Err(Failure::interrupted());
+    }
+    tell(context, out, name, &report)?;
+    tell_moved(context, out, action, from_label, &report, before.zip(pose(floor.own())))?;
+    floor.wait_for_guests(context, out)?;
+    let (_, _, status) = outcome(&report.outcome);
+    Ok(status)
+}
+
+/// Plays `action` with progress, and keys that pause and stop it, on a terminal.
+fn run_on(
+    context: &Context,
+    out: &mut impl Write,
+    floor: &mut Floor,
+    policy: Policy,
+    name: Option<&str>,
+    action: &CompiledAction,
+    from_label: Option<&str>,
+) -> Result<PlayReport> {
+    let bar = progress::bar(context.style);
+    let pause = PauseSwitch::new();
+    let keys = (context.style.error.is_terminal()).then(|| listen(floor, &pause)).flatten();
+    let help = if keys.is_some() { " (p pauses, space stops)" } else { "" };
+    let mut options = PlayOptions {
+        cancel: floor.cancel().clone(),
+        pause: Some(pause),
+        from_label: from_label.map(str::to_owned),
+        on_progress: Some(Box::new(|progress| {
+            bar.set_length(progress.total_ms);
+            bar.set_position(progress.elapsed_ms);
+            bar.set_message(format!("{}{help}", where_it_is(action, progress)));
+        })),
+        ..PlayOptions::default()
+    };
+    let mut told: Result<()> = Ok(());
+    let mut has_waited = false;
+    let report = floor.play(action, policy, &mut options, &mut |admission| {
+        let name = name.unwrap_or("steps");
+        let tell = || floor::tell(context, out, name, admission, has_waited);
+        let now = bar.suspend(tell);
+        has_waited = true;
+        if now.is_err() {
+            told = now;
+        }
+    });
+    drop(options);
+    drop(keys);
+    bar.finish_and_clear();
+    let report = report?;
+    told.map(|()| report)
+}
+
+/// Listens to the keys that pause and stop what is played.
+#[cfg(unix)]
+fn listen(floor: &Floor, pause: &PauseSwitch) -> Option<Keys> {
+    let (stop, pause) = (floor.stopper(), pause.clone());
+    Keys::listen(move |key| match key {
+        b' ' => stop(),
+        b'p' | b'P' if pause.is_paused() => pause.resume(),
+        b'p' | b'P' => pause.pause(),
+        b'r' | b'R' => pause.resume(),
+        _ => {}
+    })
+}
+
+/// Tells how an action ended.
+fn tell(
+    context: &Context,
+    out: &mut impl Write,
+    name: Option<&str>,
+    report: &PlayReport,
+) -> Result<()> {
+    let mut answer = json(report);
     answer["action"] = name.into();
     let name = name.map_or(String::new(), |name| format!("{name}: "));
-    context.style.answer(out, &answer, format!("{name}{}", in_words(&report)))?;
-    if let (Some(before), Some(after)) = (before, pose(open)) {
-        let from = from_label.and_then(|name| action.labels.iter().find(|it| &*it.name == name));
-        let from = from.map_or(0, |label| label.step);
-        let played = action.steps.iter().skip(from).take(report.steps_accepted);
-        let played: Vec<Step> = played.copied().collect();
-        context.style.remark(out, what_moved(&played, &before, &after))?;
-    }
-    Ok(status)
+    context.style.answer(out, &answer, format!("{name}{}", in_words(report)))
+}
+
+/// Tells what someone saw who watched the virtual robot.
+fn tell_moved(
+    context: &Context,
+    out: &mut impl Write,
+    action: &CompiledAction,
+    from_label: Option<&str>,
+    report: &PlayReport,
+    poses: Option<(RobotPose, RobotPose)>,
+) -> Result<()> {
+    let Some((before, after)) = poses else { return Ok(()) };
+    let from = from_label.and_then(|name| action.labels.iter().find(|it| &*it.name == name));
+    let from = from.map_or(0, |label| label.step);
+    let played = action.steps.iter().skip(from).take(report.steps_accepted);
+    let played: Vec<Step> = played.copied().collect();
+    context.style.remark(out, what_moved(&played, &before, &after))
 }
 
 /// A report for programs.
@@ -90,8 +198,8 @@ fn in_words(report: &PlayReport) -> String {
 }
 
 /// Where the virtual robot stands; nobody knows it of another.
-fn pose(open: &OpenRobot) -> Option<RobotPose> {
-    let robot = open.robot.virtual_robot()?;
+fn pose(open: Option<&OpenRobot>) -> Option<RobotPose> {
+    let robot = open?.robot.virtual_robot()?;
     Some(robot.lock().unwrap_or_else(PoisonError::into_inner).pose())
 }
 
@@ -149,10 +257,16 @@ pub(crate) fn run(
 
 /// How far an action is, in words.
 fn where_it_is(action: &CompiledAction, progress: &Progress) -> String {
+    if let Some(handler) = progress.handler.and_then(|index| action.handlers.get(index)) {
+        let own = Progress { handler: None, ..*progress };
+        return format!("instead {}: {}", handler.name, where_it_is(handler, &own));
+    }
     let label = progress.label.and_then(|index| action.labels.get(index));
     let label = label.map_or(String::new(), |label| format!("{}, ", label.name));
     if progress.waiting_for.is_empty() {
-        return format!("{label}step {} of {}", progress.steps_ended, progress.steps_total);
+        let paused = if progress.is_paused { ", paused" } else { "" };
+        let (ended, total) = (progress.steps_ended, progress.steps_total);
+        return format!("{label}step {ended} of {total}{paused}");
     }
     let names: Vec<&str> = progress.waiting_for.names().collect();
     format!("{label}waiting for {}", names.join(" or "))

@@ -98,6 +98,8 @@ impl Interrupt {
 /// Runs on a thread of its own, never in a signal's context.
 fn on_signal() {
     if SHARED.raised.swap(true, Ordering::SeqCst) {
+        #[cfg(unix)]
+        super::keys::restore();
         std::process::exit(i32::from(Status::Interrupted.code()));
     }
     if let Some(stop) = SHARED.stop().take() {

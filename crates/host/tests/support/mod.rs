@@ -1,5 +1,8 @@
 //! Runs the built command as a user would, with a data folder of its own.
 
+#[allow(dead_code)]
+pub(crate) mod simulator;
+
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};

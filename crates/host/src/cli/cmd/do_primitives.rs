@@ -9,8 +9,9 @@ use rsapien_registry::{ActionDraft, CompileOptions, Finding, NoActions, Statemen
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
+use crate::cli::floor::{Floor, PolicyOptions};
 use crate::cli::performance;
-use crate::cli::robot::{self, PaceOptions};
+use crate::cli::robot::PaceOptions;
 
 /// Run motion primitives, step after step
 ///
@@ -30,6 +31,9 @@ pub(crate) struct Cmd {
     steps: Vec<String>,
 
     #[command(flatten)]
+    policy: PolicyOptions,
+
+    #[command(flatten)]
     pace: PaceOptions,
 }
 
@@ -44,9 +48,8 @@ impl Cmd {
         let draft = ActionDraft::new("steps", steps);
         let compiled = compile(&draft, &NoActions, &CompileOptions::default())
             .map_err(|finding| refused(&finding))?;
-        let open = robot::open(context, "do", self.pace)?;
-        let mut motion = open.ready_motion(context, out)?;
-        performance::play(context, out, &open, &mut motion, None, &compiled, None)
+        let mut floor = Floor::take(context, out, "do", self.pace)?;
+        performance::play_on(context, out, &mut floor, self.policy.into(), None, &compiled, None)
     }
 }
 

@@ -9,15 +9,19 @@ use rsapien_registry::language::{Value, parse_value};
 use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
+use crate::cli::floor::{Floor, PolicyOptions};
 use crate::cli::performance;
 use crate::cli::registry::RegistryOptions;
-use crate::cli::robot::{self, PaceOptions};
+use crate::cli::robot::PaceOptions;
 
 /// Play an action
 ///
 /// Keeps the robot's queue filled until the action has ended, shows on a terminal how far it is, and tells how it ended:
 /// done; refused, and why; interrupted, and by what (a bumper, STOP, the dead-man, a reset, the loss of the link); or
 /// unknown. The exit status is 0 for done and 1 for the others.
+///
+/// On a terminal, p pauses it at the end of a step and lets it go on, and space stops the motors. Where another program
+/// holds the robot's line, the action is handed to that program, which plays it.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -25,6 +29,7 @@ Examples:
   rsapien play walk-forward --times 3 --speed 0.8
   rsapien play dance --link virtual
   rsapien play wave rounds=4 --mirrored
+  rsapien play wave --policy merge        beside what another program plays
   rsapien actions list                    which actions there are")]
 pub(crate) struct Cmd {
     /// Name of the action
@@ -52,6 +57,9 @@ pub(crate) struct Cmd {
     mirrored: bool,
 
     #[command(flatten)]
+    policy: PolicyOptions,
+
+    #[command(flatten)]
     pace: PaceOptions,
 
     #[command(flatten)]
@@ -68,10 +76,10 @@ impl Cmd {
             arguments,
         };
         let compiled = self.registry.open(context)?.compile(&self.action, &options)?;
-        let open = robot::open(context, &format!("play {}", self.action), self.pace)?;
-        let mut motion = open.ready_motion(context, out)?;
+        let mut floor = Floor::take(context, out, &format!("play {}", self.action), self.pace)?;
+        let (policy, name) = (self.policy.into(), Some(self.action.as_str()));
         let from = self.from.as_deref();
-        performance::play(context, out, &open, &mut motion, Some(&self.action), &compiled, from)
+        performance::play_on(context, out, &mut floor, policy, name, &compiled, from)
     }
 }
 

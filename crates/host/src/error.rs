@@ -143,7 +143,7 @@ pub enum Error {
     /// The program that holds the line went, or does not make itself understood.
     #[cfg(all(feature = "sharing", unix))]
     #[error(
-        "the program that held the line is gone ({by}): the robot's dead-man stops what it was at"
+        "the program that held the line is gone ({by}); what it played ends by the robot's dead-man: look at the state, then play again"
     )]
     HolderGone {
         /// Who held it.

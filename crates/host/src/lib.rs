@@ -60,7 +60,7 @@ mod player;
 mod ports;
 mod record;
 mod robot;
-#[cfg(all(feature = "sharing", unix))]
+#[cfg(feature = "sharing")]
 pub mod sharing;
 mod stage;
 mod state;

@@ -30,7 +30,7 @@ use self::floor::StageFloor;
 use self::merge::Merge;
 use crate::player::{PlayOptions, PlayReport, perform};
 use crate::robot;
-use crate::{CancelToken, Error, Interruption, MotionController};
+use crate::{CancelToken, Error, Interruption, MotionController, RobotState};
 
 /// How often one that waits looks whether it is cancelled.
 const LOOK: Duration = Duration::from_millis(20);
@@ -158,6 +158,11 @@ impl Stage {
             .spawn(move || conductor::conduct(&of_thread))
             .map_err(|_| Error::Closed)?;
         Ok(Stage { handle: Arc::new(Handle { inner, conductor: Some(conductor) }) })
+    }
+
+    /// The newest state of the whole robot, as it was reported last.
+    pub fn state(&self) -> RobotState {
+        self.handle.inner.robot.line.state()
     }
 
     /// What is being played, and what waits behind it.

@@ -49,7 +49,7 @@ pub(crate) fn robot_error(error: Error) -> PyErr {
                 Err(error) => error,
             }
         }),
-        Error::Held { .. } => ControllerHeld::new_err(text),
+        Error::Held { .. } | Error::Claimed { .. } => ControllerHeld::new_err(text),
         Error::Interrupted { .. } | Error::Displaced { .. } => MotionInterrupted::new_err(text),
         Error::OutcomeUnknown { .. } => OutcomeUnknown::new_err(text),
         Error::BadReport { .. } => BadReport::new_err(text),

@@ -5,6 +5,7 @@ mod detection;
 mod ellipse;
 mod errors;
 mod finding;
+mod guest;
 mod picture;
 mod pose;
 mod registry;
@@ -31,6 +32,7 @@ fn _rsapien(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<ellipse::PyEllipse>()?;
     module.add_class::<finding::PyFinding>()?;
     module.add_class::<timeline::PyTimeline>()?;
+    module.add_class::<guest::PyGuest>()?;
     module.add_class::<robot::PyStates>()?;
     module.add_function(wrap_pyfunction!(registry::action_name, module)?)?;
     module.add_class::<tracker::PyTracker>()?;

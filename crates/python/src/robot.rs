@@ -3,16 +3,18 @@
 use crate::errors::{robot_error, value_error};
 use crate::registry::{Arguments, NameOrText, PyRegistry, values};
 use crate::state::state_dict;
-use crate::waiting;
+use crate::waiting::{self, Listeners, ProgressTold};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rsapien::link::virtual_robot::{Controllers, FirmwareConfig, Pace};
 use rsapien::protocol::Status;
+use rsapien::sharing::Desk;
 use rsapien::sim::world::World;
 use rsapien::{
-    CameraController, CancelToken, Error, LinkAddress, MotionController, Outcome, PlayOptions,
-    PlayReport, Robot, RobotOptions, SensorsController, StopHandle,
+    Admission, CameraController, CancelToken, Error, LinkAddress, Outcome, PauseSwitch,
+    PlayOptions, PlayReport, Policy, Robot, RobotOptions, SensorsController, Stage, StopHandle,
+    Terms,
 };
 use rsapien_registry::{CompileOptions, CompiledAction, Statement};
 use std::path::PathBuf;
@@ -21,18 +23,24 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What is held of the robot while it is open; the controllers are taken when they are first used.
 struct Open {
+    // A desk goes before its stage, and that before the line.
+    desk: Option<Desk>,
+    stage: Option<Stage>,
     robot: Robot,
-    motion: Option<MotionController>,
     camera: Option<CameraController>,
     sensors: Option<SensorsController>,
 }
 
 impl Open {
-    fn motion(&mut self) -> Result<&mut MotionController, Error> {
-        if self.motion.is_none() {
-            self.motion = Some(self.robot.motion()?);
+    /// Where actions are played, for other programs too.
+    fn stage(&mut self) -> Result<Stage, Error> {
+        if let Some(stage) = &self.stage {
+            return Ok(stage.clone());
         }
-        self.motion.as_mut().ok_or(Error::Closed)
+        let stage = Stage::new(self.robot.motion()?)?;
+        self.desk = Desk::open(&self.robot, &stage)?;
+        self.stage = Some(stage.clone());
+        Ok(stage)
     }
 
     fn camera(&mut self) -> Result<&mut CameraController, Error> {
@@ -54,9 +62,12 @@ impl Open {
 #[pyclass(name = "Robot", module = "rsapien", frozen)]
 pub(crate) struct PyRobot {
     open: Mutex<Option<Open>>,
-    /// Ends what is under way in another thread; renewed with each call.
-    cancel: Mutex<CancelToken>,
-    stop: StopHandle,
+    /// End what is under way in other threads.
+    calls: Mutex<Vec<CancelToken>>,
+    /// Pauses what is played.
+    pause: PauseSwitch,
+    /// It keeps the line open, and goes with the rest.
+    stop: Mutex<Option<StopHandle>>,
     link: String,
 }
 
@@ -68,10 +79,17 @@ impl PyRobot {
     fn start(py: Python<'_>, address: &LinkAddress, options: RobotOptions) -> PyResult<PyRobot> {
         let robot = py.detach(|| Robot::open(address, options)).map_err(robot_error)?;
         Ok(PyRobot {
-            stop: robot.stop_handle(),
+            stop: Mutex::new(Some(robot.stop_handle())),
             link: robot.link_name().to_owned(),
-            cancel: Mutex::new(CancelToken::new()),
-            open: Mutex::new(Some(Open { robot, motion: None, camera: None, sensors: None })),
+            calls: Mutex::default(),
+            pause: PauseSwitch::new(),
+            open: Mutex::new(Some(Open {
+                desk: None,
+                stage: None,
+                robot,
+                camera: None,
+                sensors: None,
+            })),
         })
     }
 
@@ -79,19 +97,33 @@ impl PyRobot {
     fn run<T: Send + 'static>(
         &self,
         py: Python<'_>,
-        on_progress: Option<Py<PyAny>>,
-        work: impl FnOnce(
-            &mut Open,
-            &CancelToken,
-            Box<dyn FnMut(waiting::ProgressTold) + Send>,
-        ) -> Result<T, Error>
-        + Send,
+        listeners: &Listeners,
+        work: impl FnOnce(&CancelToken, Box<dyn FnMut(ProgressTold) + Send>) -> Result<T, Error> + Send,
     ) -> PyResult<T> {
         let token = CancelToken::new();
-        *locked(&self.cancel) = token.clone();
-        waiting::run(py, &token, &self.stop, on_progress, |progress| {
-            let mut open = locked(&self.open);
-            work(open.as_mut().ok_or(Error::Closed)?, &token, progress)
+        locked(&self.calls).push(token.clone());
+        let ran = waiting::run(py, &token, &|| drop(self.stop_motors()), listeners, |told| {
+            work(&token, told)
+        });
+        // It is over; the next look at the calls need not see it.
+        token.cancel();
+        locked(&self.calls).retain(|call| !call.is_cancelled());
+        ran
+    }
+
+    fn stop_motors(&self) -> Result<(), Error> {
+        let stop = locked(&self.stop).clone();
+        stop.ok_or(Error::Closed)?.stop()
+    }
+
+    /// Runs a request that needs what is held.
+    fn run_held<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut Open) -> Result<T, Error> + Send,
+    ) -> PyResult<T> {
+        self.run(py, &Listeners::default(), |_, _| {
+            work(locked(&self.open).as_mut().ok_or(Error::Closed)?)
         })
     }
 
@@ -99,22 +131,48 @@ impl PyRobot {
         &self,
         py: Python<'_>,
         action: &CompiledAction,
+        policy: Policy,
         from_label: Option<String>,
-        on_progress: Option<Py<PyAny>>,
+        listeners: &Listeners,
     ) -> PyResult<PyOutcome> {
-        let report = self.run(py, on_progress, |open, token, mut progress| {
+        let stage = self.run_held(py, Open::stage)?;
+        let report = self.run(py, listeners, |token, told| {
+            let told = Mutex::new(told);
             let mut options = PlayOptions {
                 cancel: token.clone(),
+                pause: Some(self.pause.clone()),
                 from_label,
-                on_progress: Some(Box::new(move |told| {
-                    progress((told.steps_ended, told.steps_total));
+                on_progress: Some(Box::new(|progress| {
+                    locked(&told)(ProgressTold::Steps(progress.steps_ended, progress.steps_total));
                 })),
                 ..PlayOptions::default()
             };
-            open.motion()?.perform(action, &mut options)
+            let terms = Terms { policy, guest: None };
+            stage.play(action, &terms, &mut options, &mut |admission| {
+                locked(&told)(admission_told(admission));
+            })
         })?;
         Ok(PyOutcome { report })
     }
+}
+
+/// What becomes of an action, as a word and in words.
+pub(crate) fn admission_told(admission: &Admission) -> ProgressTold {
+    let word = match admission {
+        Admission::Begins => "begins",
+        Admission::Waits { .. } => "waits",
+        Admission::Replaces { .. } => "replaces",
+        Admission::Beside { .. } => "beside",
+    };
+    ProgressTold::Admission(word, admission.to_string())
+}
+
+/// The policy of a word.
+pub(crate) fn policy_of(word: &str) -> PyResult<Policy> {
+    Policy::from_name(word).ok_or_else(|| {
+        let names = Policy::ALL.map(Policy::name).join(", ");
+        value_error(format!("policy: {word:?} is none of {names}"))
+    })
 }
 
 #[pymethods]
@@ -156,11 +214,14 @@ impl PyRobot {
     }
 
     fn init(&self, py: Python<'_>) -> PyResult<()> {
-        self.run(py, None, |open, token, _| open.motion()?.init_unless(token).map(|_| ()))
+        let stage = self.run_held(py, Open::stage)?;
+        self.run(py, &Listeners::default(), |token, _| {
+            stage.alone("initialisation", |motion| motion.init_unless(token)).map(|_| ())
+        })
     }
 
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let state = self.run(py, None, |open, _, _| {
+        let state = self.run_held(py, |open| {
             let sensed = open.sensors()?.refresh()?;
             match open.camera() {
                 Ok(camera) => camera.refresh(),
@@ -172,18 +233,18 @@ impl PyRobot {
         state_dict(py, &state)
     }
 
-    #[pyo3(signature = (*steps))]
-    fn r#do(&self, py: Python<'_>, steps: Vec<String>) -> PyResult<PyOutcome> {
+    #[pyo3(signature = (*steps, policy="refuse"))]
+    fn r#do(&self, py: Python<'_>, steps: Vec<String>, policy: &str) -> PyResult<PyOutcome> {
         let parsed: Result<Vec<_>, _> =
             steps.iter().map(|text| Statement::parse_short(text)).collect();
         let parsed = parsed.map_err(|finding| value_error(finding.in_words()))?;
         let compiled = PyRegistry::in_memory()?.compile_steps(parsed)?;
-        self.perform(py, &compiled, None, None)
+        self.perform(py, &compiled, policy_of(policy)?, None, &Listeners::default())
     }
 
     #[pyo3(signature = (
         action, *, times=1, speed=1.0, mirrored=false, arguments=None, from_label=None, registry=None,
-        on_progress=None
+        policy="refuse", on_admission=None, on_progress=None
     ))]
     #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn play(
@@ -196,15 +257,19 @@ impl PyRobot {
         arguments: Option<Arguments>,
         from_label: Option<String>,
         registry: Option<&PyRegistry>,
+        policy: &str,
+        on_admission: Option<Py<PyAny>>,
         on_progress: Option<Py<PyAny>>,
     ) -> PyResult<PyOutcome> {
+        let policy = policy_of(policy)?;
         let arguments = values(py, arguments)?;
         let options = CompileOptions { times, speed, mirrored, arguments };
         let compiled = match registry {
             Some(registry) => registry.compile(&action, &options)?,
             None => PyRegistry::in_memory()?.compile(&action, &options)?,
         };
-        self.perform(py, &compiled, from_label, on_progress)
+        let listeners = Listeners { on_progress, on_admission };
+        self.perform(py, &compiled, policy, from_label, &listeners)
     }
 
     /// The state, again and again.
@@ -215,7 +280,7 @@ impl PyRobot {
 
     #[pyo3(signature = (pan, tilt, *, speed=0))]
     fn look(&self, py: Python<'_>, pan: f64, tilt: f64, speed: u16) -> PyResult<(f64, f64)> {
-        let report = self.run(py, None, |open, _, _| {
+        let report = self.run_held(py, |open| {
             let camera = open.camera()?;
             match camera.look(pan, tilt, speed) {
                 // The head knows by itself whether it has to be homed first.
@@ -230,7 +295,7 @@ impl PyRobot {
     }
 
     fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let picture = self.run(py, None, |open, _, _| {
+        let picture = self.run_held(py, |open| {
             let robot = open.robot.virtual_robot().ok_or(Error::NotOnThisLink {
                 what: "only the virtual robot has a camera of its own: read a webcam with a library such as OpenCV",
             })?;
@@ -242,25 +307,36 @@ impl PyRobot {
     }
 
     fn stop(&self, py: Python<'_>) -> PyResult<()> {
-        py.detach(|| self.stop.stop()).map_err(robot_error)
+        py.detach(|| self.stop_motors()).map_err(robot_error)
     }
 
     fn sleep(&self, py: Python<'_>, ms: u64) -> PyResult<()> {
-        self.run(py, None, |open, _, _| open.robot.sleep_ms(ms))
+        let robot = self.run_held(py, |open| Ok(open.robot.clone()))?;
+        self.run(py, &Listeners::default(), |_, _| robot.sleep_ms(ms))
+    }
+
+    /// Pauses what is played at the end of a step.
+    fn pause(&self) {
+        self.pause.pause();
+    }
+
+    /// Lets what is paused go on.
+    fn resume(&self) {
+        self.pause.resume();
     }
 
     fn close(&self, py: Python<'_>) {
-        locked(&self.cancel).cancel();
+        locked(&self.calls).iter().for_each(CancelToken::cancel);
         py.detach(|| {
             if let Some(open) = locked(&self.open).take() {
                 // Controllers that are dropped while motors run stop them; this is for the case that
                 // another program moves the robot, which leaving a `with` ends as well.
-                let is_moving =
-                    open.motion.as_ref().is_some_and(|motion| motion.state().is_moving());
+                let is_moving = open.stage.as_ref().is_some_and(|stage| stage.state().is_moving());
                 if is_moving {
-                    let _ = self.stop.stop();
+                    let _ = self.stop_motors();
                 }
             }
+            *locked(&self.stop) = None;
         });
     }
 
@@ -289,7 +365,7 @@ impl PyRobot {
 /// How an action ended.
 #[pyclass(name = "Outcome", module = "rsapien", frozen)]
 pub(crate) struct PyOutcome {
-    report: PlayReport,
+    pub(crate) report: PlayReport,
 }
 
 #[pymethods]

@@ -144,13 +144,16 @@ impl Floor {
         }
     }
 
-    /// Stays until the guests have ended what they play over this line.
+    /// Stays until everything has ended that guests play over this line.
     pub(crate) fn wait_for_guests(&self, context: &Context, out: &mut impl Write) -> Result<()> {
-        let Floor::Own { open, stage, desk: Some(desk) } = self else { return Ok(()) };
+        let Floor::Own { open, stage, desk: Some(_) } = self else { return Ok(()) };
         let mut told: Vec<Claim> = Vec::new();
-        while desk.guests() > 0 {
+        loop {
             let (playing, waiting) = stage.claims();
             let claims: Vec<Claim> = playing.into_iter().chain(waiting).collect();
+            if claims.is_empty() {
+                return Ok(());
+            }
             if let Some(new) = claims.iter().find(|claim| !told.contains(claim)) {
                 let text = format!("the line stays open for {new}; Ctrl-C ends it");
                 context.style.remark(out, text)?;
@@ -158,7 +161,6 @@ impl Floor {
             }
             open.interrupt.wait(Duration::from_millis(50))?;
         }
-        Ok(())
     }
 }
 

@@ -80,7 +80,7 @@ fn run_on(
 ) -> Result<PlayReport> {
     let bar = progress::bar(context.style);
     let pause = PauseSwitch::new();
-    let keys = (context.style.error.is_terminal()).then(|| listen(floor, &pause)).flatten();
+    let keys = context.style.error.is_terminal().then(|| listen(floor, &pause)).flatten();
     let help = if keys.is_some() { " (p pauses, space stops)" } else { "" };
     let mut options = PlayOptions {
         cancel: floor.cancel().clone(),
@@ -122,6 +122,12 @@ fn listen(floor: &Floor, pause: &PauseSwitch) -> Option<Keys> {
         b'r' | b'R' => pause.resume(),
         _ => {}
     })
+}
+
+/// Keys are listened to on Unix terminals only.
+#[cfg(not(unix))]
+fn listen(_floor: &Floor, _pause: &PauseSwitch) -> Option<()> {
+    None
 }
 
 /// Tells how an action ended.

@@ -4,7 +4,7 @@ use std::fs::{self, Permissions};
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -65,16 +65,6 @@ impl Desk {
             .spawn(move || receive(&listener, &of_thread))
             .map_err(failed)?;
         Ok(Some(Desk { path, shared, thread: Some(thread) }))
-    }
-
-    /// How many guests are there.
-    pub fn guests(&self) -> usize {
-        self.shared.guests.load(Ordering::SeqCst)
-    }
-
-    /// Where the socket stands.
-    pub fn path(&self) -> &Path {
-        &self.path
     }
 }
 

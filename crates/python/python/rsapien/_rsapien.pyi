@@ -500,6 +500,43 @@ class Timeline:
         """The picture for a terminal."""
     def _repr_svg_(self) -> str: ...
 
+class Claim(TypedDict):
+    """An action that is played or waits, and the joints that are its own meanwhile."""
+
+    action: str
+    program: str
+    pid: int
+    joints: list[str]
+
+class Guest:
+    """A robot whose line another program of this user holds: that program plays what is handed to it."""
+
+    @staticmethod
+    def find(link: str = "auto", *, baud: int = 57_600) -> Optional[Guest]:
+        """The way to the program that holds the line; ``None`` where nobody does, or it plays for nobody."""
+    @property
+    def link(self) -> str: ...
+    @property
+    def holder(self) -> str:
+        """Who holds the line."""
+    def claims(self) -> tuple[list[Claim], list[Claim]]:
+        """What is played on the robot, and what waits."""
+    def play(
+        self,
+        action: Union[str, HasText],
+        *,
+        times: int = 1,
+        speed: float = 1.0,
+        mirrored: bool = False,
+        arguments: Optional[dict[str, Union[str, float]]] = None,
+        from_label: Optional[str] = None,
+        registry: Optional[Registry] = None,
+        policy: Policy = "refuse",
+        on_admission: Optional[Callable[[str, str], object]] = None,
+        on_progress: Optional[Callable[[int, int], object]] = None,
+    ) -> Outcome:
+        """As ``Robot.play``."""
+
 class States:
     """Goes through the states of a robot, without end."""
 
@@ -528,6 +565,8 @@ class Outcome:
         """How what was played instead of the rest ended, because a bumper was met or waited for in vain."""
     def __bool__(self) -> bool:
         """Whether it was done."""
+
+Policy = Literal["refuse", "queue", "replace", "merge"]
 
 class Robot:
     """The robot, real or virtual. Use it in a ``with``: leaving it stops the motors and lets go.
@@ -559,7 +598,7 @@ class Robot:
         """Robot initialisation: every joint is driven to its middle position."""
     def state(self) -> State:
         """Asks the robot now. Angles in degrees, pan right and tilt up positive."""
-    def do(self, *steps: str) -> Outcome:
+    def do(self, *steps: str, policy: Policy = "refuse") -> Outcome:
         """Steps as on the command line: ``do("right-arm-up+tilt-left:500", "tilt-mid", "wave")``.
 
         A step lasts 1000 ms where it does not say otherwise.
@@ -574,13 +613,24 @@ class Robot:
         arguments: Optional[dict[str, Union[str, float]]] = None,
         from_label: Optional[str] = None,
         registry: Optional[Registry] = None,
+        policy: Policy = "refuse",
+        on_admission: Optional[Callable[[str, str], object]] = None,
         on_progress: Optional[Callable[[int, int], object]] = None,
     ) -> Outcome:
         """Plays an action of the registry (without one: of those that come with the robot), or one that is
         built in code.
 
         ``arguments`` are values of its parameters: numbers, or times such as ``"650ms"``.
+
+        ``policy`` says what happens while another thread or program plays something: ``"refuse"`` raises
+        ``ControllerHeld``, ``"queue"`` waits, ``"replace"`` ends it, ``"merge"`` plays beside it where no joint
+        is in both. ``on_admission`` is told before anything moves: ``"begins"``, ``"waits"``, ``"replaces"`` or
+        ``"beside"``, and the same in words with the others' names.
         """
+    def pause(self) -> None:
+        """Pauses what is played at the end of a step, until ``resume``."""
+    def resume(self) -> None:
+        """Lets what is paused go on."""
     def states(self, *, every_ms: int = 100) -> States:
         """The state, again and again: ``for state in robot.states(): ...``."""
     def look(self, pan: float, tilt: float, *, speed: int = 0) -> tuple[float, float]:

@@ -42,15 +42,23 @@ class Robot:
         await self._run(self._robot.init)
 
     async def play(self, action: Any, **options: Any) -> _rsapien.Outcome:
-        """As ``rsapien.Robot.play``. ``on_progress`` is called in the event loop."""
-        on_progress = options.pop("on_progress", None)
-        if on_progress is not None:
-            options["on_progress"] = _in_loop(on_progress)
+        """As ``rsapien.Robot.play``. ``on_progress`` and ``on_admission`` are called in the event loop."""
+        for name in ("on_progress", "on_admission"):
+            if options.get(name) is not None:
+                options[name] = _in_loop(options[name])
         return await self._run(lambda: self._robot.play(action, **options))
 
-    async def do(self, *steps: str) -> _rsapien.Outcome:
+    async def do(self, *steps: str, **options: Any) -> _rsapien.Outcome:
         """As ``rsapien.Robot.do``."""
-        return await self._run(lambda: self._robot.do(*steps))
+        return await self._run(lambda: self._robot.do(*steps, **options))
+
+    def pause(self) -> None:
+        """Pauses what is played at the end of a step, until :meth:`resume`."""
+        self._robot.pause()
+
+    def resume(self) -> None:
+        """Lets what is paused go on."""
+        self._robot.resume()
 
     async def look(self, pan: float, tilt: float, *, speed: int = 0) -> tuple[float, float]:
         """As ``rsapien.Robot.look``."""

@@ -15,6 +15,7 @@ mod limits;
 mod output;
 mod performance;
 mod progress;
+mod recording;
 mod registry;
 mod robot;
 mod signal;

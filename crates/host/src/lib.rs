@@ -37,7 +37,7 @@
 //! ```
 //!
 //! Features: `serial` (default), `virtual` (the virtual robot), `registry` (actions by name),
-//! `vision`, `video` (films and streams), `webcam` (of these, on Linux), and `cli`, which brings the
+//! `vision`, `video` (films and streams), `recording` (MCAP files), `webcam` (of these, on Linux), and `cli`, which brings the
 //! `rsapien` command and all of them but `webcam`.
 
 #[doc = include_str!("../README.md")]
@@ -59,6 +59,8 @@ mod lock;
 mod player;
 mod ports;
 mod record;
+#[cfg(feature = "recording")]
+pub mod recording;
 mod robot;
 mod state;
 mod stop;
@@ -75,7 +77,7 @@ pub use player::{
     CancelToken, Outcome, PauseSwitch, PlayOptions, PlayReport, Progress, ProgressSink, StepReached,
 };
 pub use ports::{PortInformation, Probe, ProbeResult, find_robot, list_ports, probe_ports};
-pub use record::{PackageRecord, PackageSink};
+pub use record::{LineEvent, LineSink, PackageRecord, PackageSink};
 pub use robot::{Robot, RobotOptions, StopHandle};
 /// Bytes, packages, joints, primitives, steps, reports: the vocabulary of the link.
 pub use rsapien_protocol as protocol;

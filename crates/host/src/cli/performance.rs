@@ -131,10 +131,15 @@ pub(crate) fn run(
     from_label: Option<&str>,
 ) -> Result<PlayReport> {
     let bar = progress::bar(context.style);
+    let now_ms = || open.robot.now_ms();
+    let mut told = context.recording.as_ref().map(|it| it.begin(now_ms(), action));
     let mut options = PlayOptions {
         cancel: open.cancel.clone(),
         from_label: from_label.map(str::to_owned),
         on_progress: Some(Box::new(|progress| {
+            if let Some(told) = &mut told {
+                told.step(now_ms(), action, progress);
+            }
             bar.set_length(progress.total_ms);
             bar.set_position(progress.elapsed_ms);
             bar.set_message(where_it_is(action, progress));
@@ -144,6 +149,9 @@ pub(crate) fn run(
     let report = motion.perform(action, &mut options);
     drop(options);
     bar.finish_and_clear();
+    if let (Some(told), Ok(report)) = (told, &report) {
+        told.end(now_ms(), &json(report));
+    }
     open.done(report)
 }
 

@@ -18,6 +18,7 @@ mod limits;
 mod output;
 mod performance;
 mod progress;
+mod recording;
 mod registry;
 mod robot;
 mod signal;

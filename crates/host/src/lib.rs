@@ -37,7 +37,8 @@
 //! ```
 //!
 //! Features: `serial` (default), `virtual` (the virtual robot), `registry` (actions by name),
-//! `sharing` (one robot for several programs; Unix), `vision`, `video` (films and streams), `webcam` (of these, on Linux), and `cli`, which brings the
+//! `sharing` (one robot for several programs; Unix), `recording` (MCAP files), `vision`, `video` (films and streams),
+//! `webcam` (of these, on Linux), and `cli`, which brings the
 //! `rsapien` command and all of them but `webcam`.
 
 #[doc = include_str!("../README.md")]
@@ -59,6 +60,8 @@ mod lock;
 mod player;
 mod ports;
 mod record;
+#[cfg(feature = "recording")]
+pub mod recording;
 mod robot;
 #[cfg(feature = "sharing")]
 pub mod sharing;
@@ -78,7 +81,7 @@ pub use player::{
     CancelToken, Outcome, PauseSwitch, PlayOptions, PlayReport, Progress, ProgressSink, StepReached,
 };
 pub use ports::{PortInformation, Probe, ProbeResult, find_robot, list_ports, probe_ports};
-pub use record::{PackageRecord, PackageSink};
+pub use record::{LineEvent, LineSink, PackageRecord, PackageSink};
 pub use robot::{Robot, RobotOptions, StopHandle};
 /// Bytes, packages, joints, primitives, steps, reports: the vocabulary of the link.
 pub use rsapien_protocol as protocol;

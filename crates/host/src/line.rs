@@ -15,7 +15,7 @@ use std::thread::JoinHandle;
 use rsapien_protocol::{Address, Kind, Request, Status, SynchronizationPackage};
 
 use crate::link::{Connect, RealClock};
-use crate::record::{PackageLog, PackageRecord, PackageSink};
+use crate::record::{LineSink, PackageLog, PackageRecord, PackageSink};
 use crate::{Error, RobotState};
 
 /// How the line is driven.
@@ -25,6 +25,7 @@ pub(crate) struct LineOptions {
     pub(crate) first_session: u8,
     pub(crate) package_log_length: usize,
     pub(crate) on_package: Option<PackageSink>,
+    pub(crate) on_line: Option<LineSink>,
 }
 
 /// The answer to a request, whatever its status.

@@ -8,6 +8,8 @@ use rsapien_protocol::{
     SynchronizationPackage, frame,
 };
 
+use crate::RobotState;
+
 /// One package that went over the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PackageRecord {
@@ -24,6 +26,33 @@ pub struct PackageRecord {
 /// Takes each package as it goes over the line. It is called by the line's thread, so it must be
 /// quick and must not wait for the robot.
 pub type PackageSink = Box<dyn FnMut(&PackageRecord) + Send>;
+
+/// What happens on the line, in the order in which it does. Times are ms of the line's clock.
+#[derive(Clone, Copy, Debug)]
+pub enum LineEvent<'event> {
+    /// Bytes were put on the line.
+    Sent {
+        /// When.
+        time_ms: u64,
+        /// All of them.
+        bytes: &'event [u8],
+    },
+    /// Bytes came, intact or not.
+    Received {
+        /// When they were taken from the link.
+        time_ms: u64,
+        /// All that were there.
+        bytes: &'event [u8],
+    },
+    /// A package is complete, sent or received.
+    Package(&'event PackageRecord),
+    /// What the program knows of the robot was renewed.
+    State(&'event RobotState),
+}
+
+/// Takes everything that happens on the line. It is called by the line's thread, so it must be quick
+/// and must not wait for the robot.
+pub type LineSink = Box<dyn FnMut(&LineEvent<'_>) + Send>;
 
 impl PackageRecord {
     pub(crate) fn received(time_ms: u64, content: &Content) -> PackageRecord {

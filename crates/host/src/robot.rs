@@ -9,7 +9,7 @@ use crate::control::{CameraController, Controller, MotionController, SensorsCont
 use crate::line::{Answer, Line, LineOptions};
 use crate::link::Connect;
 use crate::lock::LineLock;
-use crate::record::{PackageRecord, PackageSink};
+use crate::record::{LineSink, PackageRecord, PackageSink};
 use crate::{Error, Holder, LinkAddress, data, link, ports};
 
 /// How a robot is opened.
@@ -27,6 +27,8 @@ pub struct RobotOptions {
     pub package_log_length: usize,
     /// Takes each package as it goes over the line.
     pub on_package: Option<PackageSink>,
+    /// Takes everything that happens on the line, down to the bytes; a recording does.
+    pub on_line: Option<LineSink>,
     /// How the virtual robot is made that the link `virtual` leads to.
     #[cfg(feature = "virtual")]
     pub virtual_robot: link::virtual_robot::VirtualOptions,
@@ -42,6 +44,7 @@ impl RobotOptions {
             state_period_ms: 100,
             package_log_length: 4096,
             on_package: None,
+            on_line: None,
             #[cfg(feature = "virtual")]
             virtual_robot: link::virtual_robot::VirtualOptions::default(),
         }
@@ -184,6 +187,7 @@ impl Robot {
             first_session,
             package_log_length: options.package_log_length,
             on_package: options.on_package,
+            on_line: options.on_line,
         };
         let name = connector.name();
         let line =

@@ -10,10 +10,12 @@ mod do_primitives;
 mod doctor;
 mod eval;
 mod init;
+mod log;
 mod look;
 mod man;
 mod play;
 mod ports;
+mod record;
 mod sim;
 mod snapshot;
 mod state;
@@ -46,6 +48,8 @@ pub(crate) enum Command {
     Eval(eval::Cmd),
     BenchDetect(bench_detect::Cmd),
     Watch(watch::Cmd),
+    Record(Box<record::Cmd>),
+    Log(log::Cmd),
     Sim(sim::Cmd),
     Config(config::Cmd),
     Completions(completions::Cmd),
@@ -76,6 +80,8 @@ impl Command {
             Self::Eval(cmd) => cmd.run(context, out),
             Self::BenchDetect(cmd) => cmd.run(context, out),
             Self::Watch(cmd) => cmd.run(context, out),
+            Self::Record(cmd) => cmd.run(context, out),
+            Self::Log(cmd) => cmd.run(context, out),
             Self::Sim(cmd) => cmd.run(context, out),
             Self::Config(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),

@@ -9,6 +9,7 @@ use clap::Args;
 use super::config::Config;
 use super::diagnostics::Result;
 use super::output::{Screen, Style};
+use super::recording::Recording;
 
 /// Options that stand before or behind every command.
 #[derive(Debug, Clone, Args)]
@@ -72,6 +73,8 @@ pub(crate) struct Context {
     pub(crate) origins: Vec<Origin>,
     /// How answers are written.
     pub(crate) style: Style,
+    /// What keeps all that happens with the robot that is opened.
+    pub(crate) recording: Option<Recording>,
 }
 
 /// A value of the configuration, and where it comes from.
@@ -133,6 +136,7 @@ impl Context {
             registry: config.registry,
             config_path,
             origins,
+            recording: None,
             style: Style {
                 json: options.json,
                 output: screen(std::io::stdout().is_terminal()),

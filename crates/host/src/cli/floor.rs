@@ -64,7 +64,8 @@ impl Floor {
         pace: PaceOptions,
     ) -> Result<Floor> {
         let address = robot::address(context)?;
-        if let Some(folder) = data::lock_folder() {
+        // Of what goes over another program's line, nothing can be recorded here.
+        if let (Some(folder), None) = (data::lock_folder(), &context.recording) {
             let program = format!("rsapien {command}");
             if let Some(guest) = Guest::find(&address, context.baud, &folder, &program)? {
                 let interrupt = Interrupt::install()?;

@@ -18,7 +18,8 @@ use super::progress;
 use super::robot::OpenRobot;
 use super::view;
 use crate::{
-    Interruption, MotionController, Outcome, PauseSwitch, PlayOptions, PlayReport, Policy, Progress,
+    Interruption, MotionController, Outcome, PauseSwitch, PlayOptions, PlayReport, Policy,
+    Progress, Robot,
 };
 
 /// Plays `action` and tells how it ended; `name` is what it is called, if it has a name.
@@ -82,6 +83,10 @@ fn run_on(
     let pause = PauseSwitch::new();
     let keys = context.style.error.is_terminal().then(|| listen(floor, &pause)).flatten();
     let help = if keys.is_some() { " (p pauses, space stops)" } else { "" };
+    // A recording is of a robot of one's own.
+    let robot = floor.own().map(|open| open.robot.clone());
+    let now_ms = || robot.as_ref().map_or(0, Robot::now_ms);
+    let mut recorded = context.recording.as_ref().map(|it| it.begin(now_ms(), action));
     let mut options = PlayOptions {
         cancel: floor.cancel().clone(),
         pause: Some(pause),
@@ -90,6 +95,9 @@ fn run_on(
             bar.set_length(progress.total_ms);
             bar.set_position(progress.elapsed_ms);
             bar.set_message(format!("{}{help}", where_it_is(action, progress)));
+            if let Some(recorded) = &mut recorded {
+                recorded.step(now_ms(), action, progress);
+            }
         })),
         ..PlayOptions::default()
     };
@@ -108,6 +116,9 @@ fn run_on(
     drop(keys);
     bar.finish_and_clear();
     let report = report?;
+    if let Some(recorded) = recorded {
+        recorded.end(now_ms(), &json(&report));
+    }
     told.map(|()| report)
 }
 
@@ -245,10 +256,15 @@ pub(crate) fn run(
     from_label: Option<&str>,
 ) -> Result<PlayReport> {
     let bar = progress::bar(context.style);
+    let now_ms = || open.robot.now_ms();
+    let mut told = context.recording.as_ref().map(|it| it.begin(now_ms(), action));
     let mut options = PlayOptions {
         cancel: open.cancel.clone(),
         from_label: from_label.map(str::to_owned),
         on_progress: Some(Box::new(|progress| {
+            if let Some(told) = &mut told {
+                told.step(now_ms(), action, progress);
+            }
             bar.set_length(progress.total_ms);
             bar.set_position(progress.elapsed_ms);
             bar.set_message(where_it_is(action, progress));
@@ -258,6 +274,9 @@ pub(crate) fn run(
     let report = motion.perform(action, &mut options);
     drop(options);
     bar.finish_and_clear();
+    if let (Some(told), Ok(report)) = (told, &report) {
+        told.end(now_ms(), &json(report));
+    }
     open.done(report)
 }
 

@@ -77,8 +77,15 @@ pub(crate) fn open_with(
     if options.on_package.is_none() {
         options.on_package = Some(Box::new(|record| tracing::debug!("{record}")));
     }
+    let pace = options.virtual_robot.pace;
+    if let Some(recording) = &context.recording {
+        recording.attach(address, &mut options);
+    }
     let robot = Robot::open(address, options)?;
     tracing::info!("the link {} is open", robot.link_name());
+    if let Some(recording) = &context.recording {
+        recording.opened(address, &robot, pace)?;
+    }
     let cancel = CancelToken::new();
     let (stop, token) = (robot.stop_handle(), cancel.clone());
     interrupt.stop_first(move || {

@@ -17,7 +17,7 @@ use rsapien_protocol::{
 use self::care::Care;
 use super::{Answer, Command, LineOptions, Reply, Shared};
 use crate::link::{Connect, Link, RealClock};
-use crate::{Error, PackageRecord, RobotState};
+use crate::{Error, LineEvent, PackageRecord, RobotState};
 
 /// The longest the thread looks at a real link before it looks at its commands again.
 const LISTEN_MS_MAX: u64 = 10;
@@ -157,6 +157,9 @@ impl Runner {
         let count = self.link.receive(&mut buffer, until_ms)?;
         let now_ms = self.link.now_ms();
         let bytes = buffer.get(..count).unwrap_or(&buffer);
+        if let Some(sink) = self.options.on_line.as_mut().filter(|_| !bytes.is_empty()) {
+            sink(&LineEvent::Received { time_ms: now_ms, bytes });
+        }
         for byte in bytes {
             if let Fed::Package(content) = self.listener.feed(*byte, now_ms) {
                 self.log(PackageRecord::received(now_ms, &content));
@@ -316,6 +319,10 @@ impl Runner {
     }
 
     fn transmit(&mut self, bytes: &[u8], now_ms: u64) -> Result<(), Error> {
+        // Before they are on their way: what comes of them is recorded behind them.
+        if let Some(sink) = self.options.on_line.as_mut() {
+            sink(&LineEvent::Sent { time_ms: now_ms, bytes });
+        }
         self.link.send(bytes)?;
         let mut receiver = rsapien_protocol::Receiver::listening(Direction::ToRobot);
         let content = bytes.iter().find_map(|byte| match receiver.feed(*byte, now_ms) {
@@ -338,6 +345,9 @@ impl Runner {
         self.state.sessions = Address::ALL.map(|address| self.session.open_session(address));
         self.state.counts.reception_errors = self.session.counts().errors;
         *self.shared.state() = self.state.clone();
+        if let Some(sink) = self.options.on_line.as_mut() {
+            sink(&LineEvent::State(&self.state));
+        }
         self.publish_clock();
         let state = &self.state;
         // One that is too slow misses states; one that is gone is forgotten.
@@ -353,6 +363,9 @@ impl Runner {
     fn log(&mut self, record: PackageRecord) {
         if let Some(sink) = self.options.on_package.as_mut() {
             sink(&record);
+        }
+        if let Some(sink) = self.options.on_line.as_mut() {
+            sink(&LineEvent::Package(&record));
         }
         self.shared.log().push(record);
     }

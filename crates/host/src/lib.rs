@@ -68,6 +68,7 @@ pub mod sharing;
 mod stage;
 mod state;
 mod stop;
+pub mod timing;
 #[cfg(feature = "trial")]
 pub mod trial;
 #[cfg(feature = "video")]

@@ -135,3 +135,19 @@ fn a_link_without_a_robot_says_so_and_stop_needs_no_data_folder() {
     user.expect(2, &["--link", "./robot", "stop"]);
     assert_eq!(std::fs::read_dir(user.path(".")).unwrap().count(), 0);
 }
+
+#[test]
+fn the_latency_budget_is_told_share_by_share() {
+    let user = User::new();
+    let told =
+        user.expect(0, &["--link", "virtual", "--json", "state", "--timing", "--requests", "9"]);
+    let told = told.json();
+    assert_eq!((&told["requests"], &told["line_ms"]), (&9.into(), &7.47.into()));
+    assert_eq!(told["firmware_at_most_ms"], 0.53);
+    let of = |share: &str, what: &str| told[share][what].as_f64().unwrap();
+    for share in ["pc", "adapter_and_firmware", "total"] {
+        assert!(of(share, "best_ms") <= of(share, "median_ms"), "{told}");
+        assert!(of(share, "median_ms") <= of(share, "worst_ms"), "{told}");
+    }
+    assert!(of("total", "worst_ms") >= of("pc", "worst_ms"), "{told}");
+}

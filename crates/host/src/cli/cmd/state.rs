@@ -1,5 +1,7 @@
 //! `rsapien state`: what the robot tells of itself.
 
+mod timing;
+
 use std::io::Write;
 use std::time::Duration;
 
@@ -20,7 +22,8 @@ use crate::cli::view;
 #[command(after_help = "\
 Examples:
   rsapien state
-  rsapien state --watch --json | jq .motion.bumpers")]
+  rsapien state --watch --json | jq .motion.bumpers
+  rsapien state --timing                  where the time goes between request and answer")]
 pub(crate) struct Cmd {
     /// Go on until Ctrl-C
     #[arg(short, long)]
@@ -29,10 +32,21 @@ pub(crate) struct Cmd {
     /// With --watch: milliseconds between two states, 20 to 60000
     #[arg(long, value_name = "MS", default_value_t = 500, requires = "watch", value_parser = clap::value_parser!(u64).range(20..=60_000))]
     period: u64,
+
+    /// Tell instead where the time goes between a request and its answer: PC, adapter, line, firmware
+    #[arg(long, conflicts_with = "watch")]
+    timing: bool,
+
+    /// With --timing: how many requests, 1 to 10000
+    #[arg(long, value_name = "N", default_value_t = 100, requires = "timing", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    requests: u32,
 }
 
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
+        if self.timing {
+            return timing::run(context, out, self.requests);
+        }
         let open = robot::open(context, "state", PaceOptions::default())?;
         // Watching moves nothing, so that its end stops nothing.
         open.interrupt.stop_nothing();

@@ -21,6 +21,7 @@ mod progress;
 mod recording;
 mod registry;
 mod robot;
+mod screen;
 mod signal;
 mod view;
 mod world;

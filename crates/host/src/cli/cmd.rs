@@ -20,6 +20,8 @@ mod sim;
 mod snapshot;
 mod state;
 mod stop;
+mod teach;
+mod top;
 mod watch;
 
 use std::io::Write;
@@ -37,11 +39,13 @@ pub(crate) enum Command {
     Ports(ports::Cmd),
     Doctor(doctor::Cmd),
     State(state::Cmd),
+    Top(top::Cmd),
     Init(init::Cmd),
     Stop(stop::Cmd),
     Do(do_primitives::Cmd),
     Play(play::Cmd),
     Actions(actions::Cmd),
+    Teach(teach::Cmd),
     Look(look::Cmd),
     Snapshot(snapshot::Cmd),
     Detect(detect::Cmd),
@@ -69,11 +73,13 @@ impl Command {
             Self::Ports(cmd) => cmd.run(context, out),
             Self::Doctor(cmd) => cmd.run(context, out),
             Self::State(cmd) => cmd.run(context, out),
+            Self::Top(cmd) => cmd.run(context, out),
             Self::Init(cmd) => cmd.run(context, out),
             Self::Stop(cmd) => cmd.run(context, out),
             Self::Do(cmd) => cmd.run(context, out),
             Self::Play(cmd) => cmd.run(context, out),
             Self::Actions(cmd) => cmd.run(context, out),
+            Self::Teach(cmd) => cmd.run(context, out),
             Self::Look(cmd) => cmd.run(context, out),
             Self::Snapshot(cmd) => cmd.run(context, out),
             Self::Detect(cmd) => cmd.run(context, out),

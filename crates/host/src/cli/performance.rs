@@ -193,7 +193,7 @@ fn json(report: &PlayReport) -> serde_json::Value {
 }
 
 /// `interrupted by bumper left-hand (2 of 7 steps, 1.4 s, in step 3); instead back-off: done (...)`.
-fn in_words(report: &PlayReport) -> String {
+pub(crate) fn in_words(report: &PlayReport) -> String {
     let (word, detail, _) = outcome(&report.outcome);
     let detail = detail.map_or(String::new(), |detail| format!(" {detail}"));
     let reached = report.reached.as_ref().map_or(String::new(), |reached| {

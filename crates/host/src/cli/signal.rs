@@ -100,6 +100,7 @@ fn on_signal() {
     if SHARED.raised.swap(true, Ordering::SeqCst) {
         #[cfg(unix)]
         super::keys::restore();
+        super::screen::restore();
         std::process::exit(i32::from(Status::Interrupted.code()));
     }
     if let Some(stop) = SHARED.stop().take() {

@@ -7,7 +7,7 @@ mod edit;
 mod keep;
 mod list;
 mod remove;
-mod save;
+pub(super) mod save;
 mod show;
 mod text;
 mod transfer;

@@ -32,7 +32,7 @@ pub(super) fn save(
 }
 
 /// Saves the actions of a text; warnings go to the standard error.
-pub(super) fn save_text(
+pub(crate) fn save_text(
     context: &Context,
     registry: &mut Registry,
     text: &str,

@@ -1,0 +1,237 @@
+//! Recorded requests sent again, and the answers compared with the recorded ones.
+//!
+//! The packages go out at their recorded times, numbered for a session of their own. Against a virtual
+//! robot, bumpers that the recorded answers tell of are pressed, unless the recording is of a virtual
+//! robot in the same process, whose world presses them again by itself. On another robot nobody presses
+//! them.
+
+mod prepare;
+mod sender;
+mod touch;
+
+use rsapien_protocol::{Address, Mode, Report};
+
+use self::sender::Sender;
+use self::touch::Touch;
+use super::compare::Comparer;
+use super::exchange::{Exchange, Exchanges};
+use super::{About, Difference, RecordingError, RecordingReader};
+use crate::link::virtual_robot::{
+    Controllers, Pace, SharedVirtualRobot, VirtualConnector, VirtualOptions, VirtualRobotConfig,
+};
+use crate::link::{Connect, Link, RealClock};
+use crate::{CancelToken, Error};
+
+/// What a change in a state may be earlier or later by where runs are not the same to the millisecond.
+pub const TOLERANCE_MS: u64 = 20;
+
+/// Why a replay came to no result.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The recording cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The robot cannot be reached or made.
+    #[error(transparent)]
+    Robot(#[from] Error),
+    /// The recorded world cannot be made.
+    #[error("the world in the recording cannot be made: {why}")]
+    World {
+        /// What is wrong with it.
+        why: String,
+    },
+    /// There is nothing to compare.
+    #[error("nothing was sent after {from_ms} ms: the recording ends before")]
+    Nothing {
+        /// Where it was to begin, in ms of the recorded clock.
+        from_ms: u64,
+    },
+    /// It was cancelled; motors are off, unless the robot did not answer STOP.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// How a recording is played again.
+#[derive(Clone, Debug, Default)]
+pub struct ReplayOptions {
+    /// Compare from this time on, in ms of the recorded clock.
+    pub from_ms: u64,
+    /// How much earlier or later a change may be, in ms; none for what fits: nothing where the run has to be
+    /// the same to the millisecond, [`TOLERANCE_MS`] otherwise.
+    pub tolerance_ms: Option<u64>,
+    /// Ends it, motors off.
+    pub cancel: CancelToken,
+}
+
+/// How a replay ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReplayReport {
+    /// Packages sent.
+    pub packages: u64,
+    /// Answers compared.
+    pub compared: u64,
+    /// Packages that have no answer in the recording, so that there is nothing to compare.
+    pub unanswered: u64,
+    /// Times that a bumper was pressed or released because the recording tells so.
+    pub touches: u64,
+    /// Bumpers were pressed in the recording, and nobody presses those of this robot.
+    pub is_untouched: bool,
+    /// From the first package sent to the last, in ms of the recorded clock.
+    pub duration_ms: u64,
+    /// What a change may be earlier or later by, in ms; none where every answer has to be the same.
+    pub tolerance_ms: Option<u64>,
+    /// Where answers differ first; none when all are the same.
+    pub difference: Option<Difference>,
+}
+
+/// What a recording is played against.
+pub struct Target {
+    link: Box<dyn Link>,
+    baud: u32,
+    /// Of a virtual robot, which begins afresh.
+    virtual_robot: Option<SharedVirtualRobot>,
+    /// It is made as the recorded one was.
+    is_same: bool,
+    /// Its world presses the bumpers.
+    has_recorded_world: bool,
+}
+
+impl Target {
+    /// A virtual robot, made as the recorded one was where the recording tells how; with these controllers.
+    ///
+    /// # Errors
+    /// [`ReplayError::World`] and [`ReplayError::Robot`].
+    pub fn virtual_robot(about: &About, controllers: Controllers) -> Result<Target, ReplayError> {
+        let wrong = |why: String| ReplayError::World { why };
+        let world = match &about.world {
+            Some(json) => rsapien_sim::world::World::from_json(json),
+            // What stood around it is not known; bumpers are pressed as they were.
+            None => rsapien_sim::world::World::named("empty"),
+        };
+        let is_model = controllers == Controllers::Model;
+        let config = VirtualRobotConfig {
+            seed: about.seed.unwrap_or(1),
+            world: world.map_err(|error| wrong(error.to_string()))?,
+            baud: about.baud,
+            controllers,
+            ..VirtualRobotConfig::default()
+        };
+        let robot = VirtualOptions { pace: Pace::Fast, config }.build()?;
+        let mut connector = VirtualConnector::new(SharedVirtualRobot::clone(&robot), Pace::Fast);
+        Ok(Target {
+            link: connector.connect(RealClock::start())?,
+            baud: about.baud,
+            virtual_robot: Some(robot),
+            is_same: is_model && about.is_of_model(),
+            has_recorded_world: about.world.is_some(),
+        })
+    }
+
+    /// A robot behind a link.
+    ///
+    /// # Errors
+    /// Those of the link.
+    pub fn robot(connector: &mut dyn Connect, baud: u32) -> Result<Target, ReplayError> {
+        let mut link = connector.connect(RealClock::start())?;
+        link.flush_input()?;
+        let (is_same, has_recorded_world) = (false, false);
+        Ok(Target { link, baud, virtual_robot: None, is_same, has_recorded_world })
+    }
+}
+
+/// Plays a recording again; `on_package` is told number and recorded time of each package.
+///
+/// From the middle on: a virtual robot is given all that came before, so that its state is the recorded
+/// one. A robot behind a link is initialised and brought to the recorded pose, and the replay begins at the
+/// next moment at which the recorded robot was at rest.
+///
+/// # Errors
+/// [`ReplayError`].
+pub fn replay(
+    reader: RecordingReader,
+    target: Target,
+    options: &ReplayOptions,
+    mut on_package: impl FnMut(u64, u64),
+) -> Result<ReplayReport, ReplayError> {
+    let is_fast = reader.about().is_fast;
+    let mut exchanges = Exchanges::new(reader);
+    let keeps_clock = target.virtual_robot.is_some();
+    let mut touch = Touch::new(target.virtual_robot.filter(|_| !target.has_recorded_world));
+    let mut sender = Sender::new(target.link, target.baud, keeps_clock, options.cancel.clone());
+    let is_brought = if !keeps_clock && options.from_ms > 0 {
+        prepare::middle(&mut exchanges, &mut sender, options.from_ms)?;
+        true
+    } else {
+        prepare::begin(&mut exchanges, &mut sender)?
+    };
+    let tolerance_ms = match options.tolerance_ms {
+        Some(0) => None,
+        None if target.is_same && is_fast && !is_brought => None,
+        other => Some(other.unwrap_or(TOLERANCE_MS)),
+    };
+    let mut comparer = Comparer::new(tolerance_ms);
+    let mut report = ReplayReport {
+        packages: 0,
+        compared: 0,
+        unanswered: 0,
+        touches: 0,
+        is_untouched: false,
+        duration_ms: 0,
+        tolerance_ms,
+        difference: None,
+    };
+    let mut begun_ms = None;
+    while let Some(exchange) = exchanges.next() {
+        let exchange = exchange?;
+        on_package(exchange.number, exchange.time_ms);
+        let now = send(&mut sender, &mut touch, &exchange)?;
+        report.packages += 1;
+        let is_compared = exchange.time_ms >= options.from_ms;
+        if is_compared {
+            report.unanswered += u64::from(exchange.answer.is_none());
+            let begun_ms = *begun_ms.get_or_insert(exchange.time_ms);
+            report.duration_ms = exchange.time_ms.saturating_sub(begun_ms);
+        }
+        // A robot that stands there initialised cannot be asked to be as one that is not.
+        let is_compared = is_compared && (keeps_clock || !is_fresh(&exchange));
+        if comparer.push(&exchange, now.as_ref(), is_compared) {
+            break;
+        }
+    }
+    (report.difference, report.compared) = comparer.finish();
+    (report.touches, report.is_untouched) = (touch.count(), touch.is_missing() && !keeps_clock);
+    if !keeps_clock {
+        sender.rest()?;
+    }
+    if begun_ms.is_none() {
+        return Err(ReplayError::Nothing { from_ms: options.from_ms });
+    }
+    Ok(report)
+}
+
+/// Whether the recorded controller was not initialised yet.
+fn is_fresh(exchange: &Exchange) -> bool {
+    let report = exchange.answer.as_ref().map(|(_, answer)| answer.report);
+    let mode = match report {
+        Some(Report::Motion(report)) => Some(report.mode),
+        Some(Report::Camera(report)) => Some(report.mode),
+        _ => None,
+    };
+    mode == Some(Mode::Fresh)
+}
+
+/// Sends a recorded package at its time; the new answer, if one comes.
+fn send(
+    sender: &mut Sender,
+    touch: &mut Touch,
+    exchange: &Exchange,
+) -> Result<Option<rsapien_protocol::SynchronizationPackage>, ReplayError> {
+    let due_ms = sender.due_ms(exchange.time_ms);
+    if exchange.address == Address::Motion
+        && let Some((_, answer)) = &exchange.answer
+    {
+        touch.follow(answer, due_ms, |until_ms| sender.wait_until(until_ms))?;
+    }
+    sender.wait_until(due_ms)?;
+    sender.send(exchange)
+}

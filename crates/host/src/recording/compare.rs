@@ -86,7 +86,8 @@ struct Origin {
 
 struct Sample {
     difference: Difference,
-    recorded: Values,
+    /// None of a state that was asked for beyond the end of the recording.
+    recorded: Option<Values>,
     now: Values,
 }
 
@@ -160,8 +161,11 @@ impl Comparer {
         }
         self.compared += 1;
         let is_state = matches!(now.report, Report::Motion(_) | Report::Camera(_));
-        let sample =
-            Sample { difference: difference(*answered_ms, Vec::new()), recorded, now: now_values };
+        let sample = Sample {
+                difference: difference(*answered_ms, Vec::new()),
+                recorded: Some(recorded),
+                now: now_values,
+            };
         if is_exact || !is_state {
             let fields = differing(&sample, |_, _, _| false);
             self.note_all(sample.difference, fields);
@@ -170,6 +174,21 @@ impl Comparer {
             self.decide(index, false);
         }
         self.found.is_some()
+    }
+
+    /// Takes a state that was asked for at `time_ms`, beyond the end of the recording: what the last recorded
+    /// answers tell may be true a moment later.
+    pub(super) fn push_beyond(
+        &mut self,
+        address: Address,
+        time_ms: u64,
+        now: &SynchronizationPackage,
+    ) {
+        let index = usize::from(address == Address::Camera);
+        let now = values(&mut self.origins[index][1], now, false);
+        let difference =
+            Difference { time_ms, package: 0, address, request: String::new(), fields: Vec::new() };
+        self.samples[index].0.push_back(Sample { difference, recorded: None, now });
     }
 
     /// The first difference, if there is one, when all answers were pushed.
@@ -206,8 +225,13 @@ impl Comparer {
             }
             let (first, last) = window(samples, *decided, tolerance_ms);
             let around: Vec<&Sample> = samples.range(first..=last).collect();
+            // What the recorded robot told a moment later is not known at the end.
+            let is_last = !samples
+                .iter()
+                .any(|later| later.recorded.is_some() && later.time_ms() > until_ms);
             let fields = differing(sample, |name, recorded, now| {
-                is_right(name, now, around.iter().map(|sample| &sample.recorded))
+                let of_recorded = around.iter().filter_map(|sample| sample.recorded.as_ref());
+                (is_last && name != "status" || is_right(name, now, of_recorded))
                     && is_right(name, recorded, around.iter().map(|sample| &sample.now))
             });
             noted.push((sample.difference.clone(), fields));
@@ -262,15 +286,16 @@ fn is_right<'values>(
 }
 
 fn differing(sample: &Sample, is_excused: impl Fn(&str, &Value, &Value) -> bool) -> Vec<Field> {
+    let Some(recorded_values) = &sample.recorded else { return Vec::new() };
     let nothing = Value::Text("nothing".to_owned());
-    let names = sample.recorded.iter().chain(&sample.now).map(|(name, _)| name);
+    let names = recorded_values.iter().chain(&sample.now).map(|(name, _)| name);
     let mut fields: Vec<Field> = Vec::new();
     for name in names {
         let of = |values: &Values| {
             let found = values.iter().find(|(it, _)| it == name);
             found.map_or(nothing.clone(), |(_, value)| value.clone())
         };
-        let (recorded, now) = (of(&sample.recorded), of(&sample.now));
+        let (recorded, now) = (of(recorded_values), of(&sample.now));
         let is_told = fields.iter().any(|field| field.name == *name);
         if recorded != now && !is_told && !is_excused(name, &recorded, &now) {
             let (recorded, now) = (recorded.to_string(), now.to_string());

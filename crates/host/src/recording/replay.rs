@@ -9,7 +9,7 @@ mod prepare;
 mod sender;
 mod touch;
 
-use rsapien_protocol::{Address, Mode, Report};
+use rsapien_protocol::{Address, Mode, Report, Request};
 
 use self::sender::Sender;
 use self::touch::Touch;
@@ -180,7 +180,7 @@ pub fn replay(
         tolerance_ms,
         difference: None,
     };
-    let mut begun_ms = None;
+    let (mut begun_ms, mut last_ms) = (None, None);
     while let Some(exchange) = exchanges.next() {
         let exchange = exchange?;
         on_package(exchange.number, exchange.time_ms);
@@ -195,7 +195,19 @@ pub fn replay(
         // A robot that stands there initialised cannot be asked to be as one that is not.
         let is_compared = is_compared && (keeps_clock || !is_fresh(&exchange));
         if comparer.push(&exchange, now.as_ref(), is_compared) {
+            last_ms = None;
             break;
+        }
+        last_ms = exchange.answer.map(|(time_ms, _)| time_ms).or(last_ms);
+    }
+    if let (Some(tolerance_ms), Some(last_ms)) = (tolerance_ms, last_ms) {
+        let beyond_ms = last_ms + tolerance_ms;
+        let due_ms = sender.due_ms(beyond_ms);
+        sender.wait_until(due_ms)?;
+        for address in Address::ALL {
+            if let Some(now) = sender.ask(address, Request::State)? {
+                comparer.push_beyond(address, beyond_ms, &now);
+            }
         }
     }
     (report.difference, report.compared) = comparer.finish();

@@ -256,6 +256,8 @@ impl Writing {
         let mut writer = WriteOptions::new()
             .compression(Some(Compression::Lz4))
             .chunk_size(Some(CHUNK_BYTES))
+            // A chunk is written whole, or a program that is killed would leave half of one.
+            .disable_seeking(true)
             .library(concat!("rsapien ", env!("CARGO_PKG_VERSION")))
             .create(BufWriter::new(file))?;
         for topic in Topic::ALL {

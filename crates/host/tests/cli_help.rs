@@ -5,7 +5,7 @@ mod support;
 
 use support::User;
 
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 22] = [
     "demo",
     "ports",
     "doctor",
@@ -21,6 +21,9 @@ const COMMANDS: [&str; 19] = [
     "eval",
     "bench-detect",
     "watch",
+    "record",
+    "log",
+    "replay",
     "sim",
     "config",
     "completions",

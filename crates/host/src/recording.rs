@@ -22,9 +22,9 @@ mod write;
 
 pub use compare::{Difference, Field};
 pub use decode::{LineDecoder, LineEntry, LineMark, What};
+pub use error::RecordingError;
 #[cfg(feature = "cli")]
 pub(crate) use json::{direction_name, hex, package_head};
-pub use error::RecordingError;
 pub use read::{BytesMessage, Entry, Frame, RecordingReader};
 pub use schema::Topic;
 pub use write::{About, Recorder, RecordingSummary};

@@ -27,9 +27,9 @@ fn rewrite(from: &Path, to: &Path, mut change: impl FnMut(&str, &mut Value)) {
     for message in mcap::MessageStream::new(&bytes).unwrap() {
         let message = message.unwrap();
         let topic = message.channel.topic.clone();
-        let channel_id = *channels.entry(topic.clone()).or_insert_with(|| {
-            writer.add_channel(0, &topic, "json", &BTreeMap::new()).unwrap()
-        });
+        let channel_id = *channels
+            .entry(topic.clone())
+            .or_insert_with(|| writer.add_channel(0, &topic, "json", &BTreeMap::new()).unwrap());
         let mut value = serde_json::from_slice(&message.data).unwrap();
         change(&topic, &mut value);
         let header = mcap::records::MessageHeader {
@@ -83,8 +83,7 @@ fn tamper(bytes: &mut [u8], number: usize, place: usize, mask: u8) {
         if seen == number {
             let mut changed = *content.synchronization();
             changed[place] ^= mask;
-            let header =
-                HeaderByte { direction: Direction::ToPc, address: content.address() };
+            let header = HeaderByte { direction: Direction::ToPc, address: content.address() };
             let package: rsapien_protocol::SynchronizationBytes = frame::encode(header, &changed);
             bytes[end - package.len()..end].copy_from_slice(&package);
             return;
@@ -96,7 +95,8 @@ fn tamper(bytes: &mut [u8], number: usize, place: usize, mask: u8) {
 #[test]
 fn a_recording_keeps_line_motion_pictures_and_ellipses() {
     let user = User::new();
-    let arguments = "record all.mcap --camera --detect look --pan 40 --tilt -20 --link virtual --fast";
+    let arguments =
+        "record all.mcap --camera --detect look --pan 40 --tilt -20 --link virtual --fast";
     let told = user.expect(0, &arguments.split(' ').collect::<Vec<_>>()).stdout;
     assert!(told.contains("recorded all.mcap") && told.contains("detections"), "{told}");
     let bytes = std::fs::read(user.path("all.mcap")).unwrap();

@@ -7,6 +7,7 @@ mod errors;
 mod finding;
 mod picture;
 mod pose;
+mod recording;
 mod registry;
 mod robot;
 mod state;
@@ -36,6 +37,9 @@ fn _rsapien(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<tracker::PyTracker>()?;
     module.add_class::<tracker::PyTrack>()?;
     module.add_class::<registry::PyRegistry>()?;
+    module.add_class::<recording::PyRecording>()?;
+    module.add_class::<recording::PyFrames>()?;
+    module.add_class::<recording::PyRecorder>()?;
     module.add_class::<robot::PyOutcome>()?;
     module.add_class::<robot::PyRobot>()?;
     module.add_function(wrap_pyfunction!(detect::detect, module)?)?;

@@ -174,9 +174,9 @@ impl From<RecordingError> for Failure {
             RecordingError::Exists { .. } => {
                 failure.hint("choose another name, or let it be replaced: --force")
             }
-            RecordingError::NotMcap { .. } | RecordingError::NoChannels { .. } => failure.hint(
-                "rsapien record writes such files: rsapien record FILE.mcap play wave",
-            ),
+            RecordingError::NotMcap { .. } | RecordingError::NoChannels { .. } => {
+                failure.hint("rsapien record writes such files: rsapien record FILE.mcap play wave")
+            }
             _ => failure,
         }
     }

@@ -162,10 +162,10 @@ impl Comparer {
         self.compared += 1;
         let is_state = matches!(now.report, Report::Motion(_) | Report::Camera(_));
         let sample = Sample {
-                difference: difference(*answered_ms, Vec::new()),
-                recorded: Some(recorded),
-                now: now_values,
-            };
+            difference: difference(*answered_ms, Vec::new()),
+            recorded: Some(recorded),
+            now: now_values,
+        };
         if is_exact || !is_state {
             let fields = differing(&sample, |_, _, _| false);
             self.note_all(sample.difference, fields);
@@ -205,8 +205,7 @@ impl Comparer {
     }
 
     fn note(&mut self, difference: Difference) {
-        let is_first =
-            self.found.as_ref().is_none_or(|found| difference.package < found.package);
+        let is_first = self.found.as_ref().is_none_or(|found| difference.package < found.package);
         if is_first {
             self.found = Some(difference);
         }
@@ -226,9 +225,8 @@ impl Comparer {
             let (first, last) = window(samples, *decided, tolerance_ms);
             let around: Vec<&Sample> = samples.range(first..=last).collect();
             // What the recorded robot told a moment later is not known at the end.
-            let is_last = !samples
-                .iter()
-                .any(|later| later.recorded.is_some() && later.time_ms() > until_ms);
+            let is_last =
+                !samples.iter().any(|later| later.recorded.is_some() && later.time_ms() > until_ms);
             let fields = differing(sample, |name, recorded, now| {
                 let of_recorded = around.iter().filter_map(|sample| sample.recorded.as_ref());
                 (is_last && name != "status" || is_right(name, now, of_recorded))

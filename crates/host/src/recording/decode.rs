@@ -3,8 +3,8 @@
 use std::fmt;
 
 use rsapien_protocol::{
-    Address, Content, Direction, Fed, Joint, Kind, Mode, MotionReport, ReceptionState, Receiver, Report,
-    StopCause, SynchronizationPackage,
+    Address, Content, Direction, Fed, Joint, Kind, Mode, MotionReport, Receiver, ReceptionState,
+    Report, StopCause, SynchronizationPackage,
 };
 
 use super::BytesMessage;
@@ -102,7 +102,10 @@ impl LineEntry {
     fn package_words(&self, content: &Content) -> String {
         let parsed = SynchronizationPackage::parse(content);
         match (self.direction, parsed) {
-            (Direction::ToPc, Ok(SynchronizationPackage { report: Report::Motion(report), .. })) => {
+            (
+                Direction::ToPc,
+                Ok(SynchronizationPackage { report: Report::Motion(report), .. }),
+            ) => {
                 let record = self.record(content);
                 let meaning = record.meaning();
                 let head = meaning.split_once(": ").map_or(meaning.as_str(), |(head, _)| head);

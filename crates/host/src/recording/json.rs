@@ -46,9 +46,7 @@ pub(super) fn bytes(time_ms: u64, direction: Direction, bytes: &[u8]) -> Value {
 pub(crate) fn package_head(content: &Content) -> Value {
     let (kind, session, sequence, status) = match content.direction() {
         Direction::ToRobot => match ActionPackage::parse(content.action()) {
-            Ok(package) => {
-                (Some(package.request.kind()), package.session, package.sequence, None)
-            }
+            Ok(package) => (Some(package.request.kind()), package.session, package.sequence, None),
             Err(_) => return json!({}),
         },
         Direction::ToPc => match SynchronizationPackage::parse(content) {

@@ -208,8 +208,8 @@ impl RecordingReader {
     fn take(&mut self, record: Record<'_>) -> Option<Entry> {
         match record {
             Record::Channel(channel) => {
-                let topic = Topic::from_name(&channel.topic)
-                    .filter(|_| channel.message_encoding == "json");
+                let topic =
+                    Topic::from_name(&channel.topic).filter(|_| channel.message_encoding == "json");
                 self.channels.insert(channel.id, topic);
                 None
             }

@@ -38,7 +38,10 @@ fn damage_on_the_line_is_told_as_what_it_is() {
     // A byte of a class that has no place there.
     assert_eq!(what(70, &good[..1]), []);
     assert_eq!(what(71, &[0x01]), [What::BrokenOff]);
-    assert!(matches!(what(80, &[&[0x55], &good[..]].concat())[..], [What::Stray, What::Package(_)]));
+    assert!(matches!(
+        what(80, &[&[0x55], &good[..]].concat())[..],
+        [What::Stray, What::Package(_)]
+    ));
     assert_eq!(what(90, &good[..3]), []);
     assert_eq!(decoder.finish(95).len(), 1);
 }

@@ -175,7 +175,8 @@ impl Recorder {
         Box::new(move |event| recorder.line_event(event))
     }
 
-    fn line_event(&self, event: &LineEvent<'_>) {
+    /// Keeps one thing that happened on the line.
+    pub fn line_event(&self, event: &LineEvent<'_>) {
         let mut writing = self.writing();
         match event {
             LineEvent::Sent { time_ms, bytes } => {
@@ -279,8 +280,7 @@ impl Writing {
         let Some((_, channel_id)) = self.channels.get(topic as usize).copied() else { return };
         let sequence = self.counts[topic as usize];
         let log_time = self.unix_ns(time_ms);
-        let header =
-            MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
+        let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
         let is_due = self.flushed.elapsed() >= FLUSH_AFTER;
         let data = value.to_string();
         let written = self.attempt(|writer| {

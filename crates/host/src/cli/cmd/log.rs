@@ -121,12 +121,7 @@ fn line_json(line: &LineEntry) -> Value {
 }
 
 /// `2.315 == wave: step 1 of 6`.
-fn tell_motion(
-    context: &Context,
-    out: &mut impl Write,
-    time_ms: u64,
-    event: &Value,
-) -> Result<()> {
+fn tell_motion(context: &Context, out: &mut impl Write, time_ms: u64, event: &Value) -> Result<()> {
     if context.style.json {
         let mut event = event.clone();
         event["what"] = "motion".into();

@@ -15,8 +15,8 @@ use crate::cli::exit::Status;
 use crate::cli::firmware::FirmwareOptions;
 use crate::cli::signal::Interrupt;
 use crate::cli::{progress, robot, view};
-use crate::recording::{Difference, RecordingReader};
 use crate::recording::replay::{ReplayError, ReplayOptions, ReplayReport, Target, replay};
+use crate::recording::{Difference, RecordingReader};
 use crate::{CancelToken, Holder, LineLock, LinkAddress, data, ports};
 
 /// Play a recording again, and compare the answers with the recorded ones
@@ -218,7 +218,9 @@ fn text(file: &str, against: &str, report: &ReplayReport) -> String {
         lines.push("  bumpers were pressed and released as recorded".to_owned());
     }
     if report.is_untouched {
-        lines.push("  bumpers were pressed in the recording, and nobody presses them here".to_owned());
+        lines.push(
+            "  bumpers were pressed in the recording, and nobody presses them here".to_owned(),
+        );
     }
     if report.unanswered > 0 {
         lines.push(format!("  {} packages have no answer in the recording", report.unanswered));

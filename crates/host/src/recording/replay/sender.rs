@@ -129,8 +129,7 @@ impl Sender {
     ) -> Result<(), ReplayError> {
         let session = self.session(recorded_session);
         let version = rsapien_protocol::PROTOCOL_VERSION;
-        let request =
-            Request::Hello { lowest_version: version, highest_version: version, session };
+        let request = Request::Hello { lowest_version: version, highest_version: version, session };
         self.exchange(address, ActionPackage { session, sequence: 0, request }, TRIES)?;
         let recorded_session = Some(recorded_session);
         *self.numbering_mut(address) = Numbering { recorded_session, shift: 0, last: 0 };
@@ -266,4 +265,3 @@ impl Sender {
         }
     }
 }
-

@@ -49,7 +49,8 @@ fn from_hex(text: &str) -> Vec<u8> {
 }
 
 fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    let digit = |value: u8| char::from_digit(value.into(), 16).unwrap();
+    bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
 }
 
 /// Writes a recording anew, with the bytes to the PC as `change` leaves them; each stays in its message.
@@ -169,7 +170,7 @@ fn a_tampered_answer_is_found_at_its_place() {
     let log = user.expect(0, &["log", "wave.mcap", "--json"]).json_lines();
     let answers: Vec<&Value> = log.iter().filter(|line| line["direction"] == "to-pc").collect();
     let is_motion = |line: &Value| line["controller"] == "motion" && line["kind"] == "STATE";
-    let number = (60..).find(|index| is_motion(answers[*index])).unwrap() + 1;
+    let number = (60..answers.len()).find(|index| is_motion(answers[*index])).unwrap() + 1;
     let time_ms = answers[number - 1]["time_ms"].clone();
     // The motors, the pose, the queue and the bumpers stand at these places of the content.
     for (place, mask, field) in [
@@ -248,6 +249,24 @@ fn ctrl_c_ends_a_recording_cleanly_and_motors_are_off_first() {
     let stop = lines.iter().rfind(|line| line["kind"] == "STOP" && line["status"] == "accepted");
     let words = stop.expect("STOP")["words"].as_str().unwrap();
     assert!(words.contains("stopped") && !words.contains("motors"), "{words}");
+}
+
+#[test]
+fn a_robot_behind_a_link_is_recorded_and_played_again() {
+    let user = User::new();
+    let simulator = user.start(&["sim", "--pty", "robot"]);
+    wait_until("the simulator runs", || user.path("robot").exists());
+    user.expect(0, &["--link", "./robot", "init"]);
+    user.expect(0, &["record", "do.mcap", "do", "4:700", "6:900", "5:600", "--link", "./robot"]);
+    // It begins with an initialised robot, and so do both that play it again.
+    user.expect(0, &["replay", "do.mcap"]);
+    let robot = ["replay", "do.mcap", "--against", "robot", "--link", "./robot", "--json"];
+    let whole = user.expect(0, &robot).json();
+    let part = user.expect(0, &[&robot[..], &["--from", "0.3s"]].concat()).json();
+    let compared = |told: &Value| told["compared"].as_u64().unwrap();
+    assert!(0 < compared(&part) && compared(&part) < compared(&whole), "{part} of {whole}");
+    interrupt(&simulator);
+    Run::of_child(simulator);
 }
 
 #[test]

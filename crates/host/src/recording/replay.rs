@@ -9,7 +9,7 @@ mod prepare;
 mod sender;
 mod touch;
 
-use rsapien_protocol::{Address, Mode, Report, Request};
+use rsapien_protocol::{Address, Mode, Report, Request, SynchronizationPackage};
 
 use self::sender::Sender;
 use self::touch::Touch;
@@ -41,7 +41,9 @@ pub enum ReplayError {
         why: String,
     },
     /// There is nothing to compare.
-    #[error("nothing was sent after {from_ms} ms: the recording ends before")]
+    #[error(
+        "there is nothing to compare from {from_ms} ms on: the recording ends before, or before a robot could join in"
+    )]
     Nothing {
         /// Where it was to begin, in ms of the recorded clock.
         from_ms: u64,
@@ -64,7 +66,7 @@ pub struct ReplayOptions {
 }
 
 /// How a replay ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReplayReport {
     /// Packages sent.
     pub packages: u64,
@@ -143,7 +145,7 @@ impl Target {
 ///
 /// From the middle on: a virtual robot is given all that came before, so that its state is the recorded
 /// one. A robot behind a link is initialised and brought to the recorded pose, and the replay begins at the
-/// next moment at which the recorded robot was at rest.
+/// next begin of a step, with the steps that the recorded robot had in its queue, or when that one was at rest.
 ///
 /// # Errors
 /// [`ReplayError`].
@@ -151,99 +153,135 @@ pub fn replay(
     reader: RecordingReader,
     target: Target,
     options: &ReplayOptions,
-    mut on_package: impl FnMut(u64, u64),
+    on_package: impl FnMut(u64, u64),
 ) -> Result<ReplayReport, ReplayError> {
-    let is_fast = reader.about().is_fast;
-    let mut exchanges = Exchanges::new(reader);
-    let keeps_clock = target.virtual_robot.is_some();
-    let mut touch = Touch::new(target.virtual_robot.filter(|_| !target.has_recorded_world));
-    let mut sender = Sender::new(target.link, target.baud, keeps_clock, options.cancel.clone());
-    let is_brought = if !keeps_clock && options.from_ms > 0 {
-        prepare::middle(&mut exchanges, &mut sender, options.from_ms)?;
-        true
-    } else {
-        prepare::begin(&mut exchanges, &mut sender)?
+    let is_same = target.is_same && reader.about().is_fast;
+    let is_virtual = target.virtual_robot.is_some();
+    let mut run = Player {
+        exchanges: Exchanges::new(reader),
+        touch: Touch::new(target.virtual_robot.filter(|_| !target.has_recorded_world)),
+        sender: Sender::new(target.link, target.baud, is_virtual, options.cancel.clone()),
+        is_virtual,
+        is_same,
     };
-    let tolerance_ms = match options.tolerance_ms {
-        Some(0) => None,
-        None if target.is_same && is_fast && !is_brought => None,
-        other => Some(other.unwrap_or(TOLERANCE_MS)),
-    };
-    let mut comparer = Comparer::new(tolerance_ms);
-    let mut report = ReplayReport {
-        packages: 0,
-        compared: 0,
-        unanswered: 0,
-        touches: 0,
-        is_untouched: false,
-        duration_ms: 0,
-        tolerance_ms,
-        difference: None,
-    };
-    let (mut begun_ms, mut last_ms) = (None, None);
-    while let Some(exchange) = exchanges.next() {
-        let exchange = exchange?;
-        on_package(exchange.number, exchange.time_ms);
-        let now = send(&mut sender, &mut touch, &exchange)?;
-        report.packages += 1;
-        let is_compared = exchange.time_ms >= options.from_ms;
-        if is_compared {
-            report.unanswered += u64::from(exchange.answer.is_none());
-            let begun_ms = *begun_ms.get_or_insert(exchange.time_ms);
-            report.duration_ms = exchange.time_ms.saturating_sub(begun_ms);
-        }
-        // A robot that stands there initialised cannot be asked to be as one that is not.
-        let is_compared = is_compared && (keeps_clock || !is_fresh(&exchange));
-        if comparer.push(&exchange, now.as_ref(), is_compared) {
-            last_ms = None;
-            break;
-        }
-        last_ms = exchange.answer.map(|(time_ms, _)| time_ms).or(last_ms);
+    let played = run.play(options, on_package);
+    if !is_virtual {
+        // Also when something went wrong on the way.
+        run.sender.rest();
     }
-    if let (Some(tolerance_ms), Some(last_ms)) = (tolerance_ms, last_ms) {
-        let beyond_ms = last_ms + tolerance_ms;
-        let due_ms = sender.due_ms(beyond_ms);
+    played
+}
+
+/// A replay under way.
+struct Player {
+    exchanges: Exchanges,
+    touch: Touch,
+    sender: Sender,
+    is_virtual: bool,
+    is_same: bool,
+}
+
+impl Player {
+    fn play(
+        &mut self,
+        options: &ReplayOptions,
+        mut on_package: impl FnMut(u64, u64),
+    ) -> Result<ReplayReport, ReplayError> {
+        let tolerance_ms = self.begin(options)?;
+        let mut comparer = Comparer::new(tolerance_ms);
+        let mut report = ReplayReport { tolerance_ms, ..ReplayReport::default() };
+        let (mut begun_ms, mut last_ms) = (None, None);
+        while let Some(exchange) = self.exchanges.next().transpose()? {
+            on_package(exchange.number, exchange.time_ms);
+            let now = self.send(&exchange)?;
+            report.packages += 1;
+            let mut is_compared = exchange.time_ms >= options.from_ms;
+            if is_compared {
+                report.unanswered += u64::from(exchange.answer.is_none());
+                let begun_ms = *begun_ms.get_or_insert(exchange.time_ms);
+                report.duration_ms = exchange.time_ms.saturating_sub(begun_ms);
+            }
+            // Where a robot stands before it is initialised, and how long that takes from there, is its own affair.
+            is_compared &= self.is_virtual || !is_before_initialised(&exchange);
+            if comparer.push(&exchange, now.as_ref(), is_compared) {
+                last_ms = None;
+                break;
+            }
+            last_ms = exchange.answer.map(|(time_ms, _)| time_ms).or(last_ms);
+        }
+        if let (Some(tolerance_ms), Some(last_ms)) = (tolerance_ms, last_ms) {
+            self.look_beyond(last_ms + tolerance_ms, &mut comparer)?;
+        }
+        (report.difference, report.compared) = comparer.finish();
+        report.touches = self.touch.count();
+        report.is_untouched = self.touch.is_missing() && !self.is_virtual;
+        if begun_ms.is_none() {
+            return Err(ReplayError::Nothing { from_ms: options.from_ms });
+        }
+        Ok(report)
+    }
+
+    /// Brings the robot to where the recorded one was; the tolerance that fits then.
+    fn begin(&mut self, options: &ReplayOptions) -> Result<Option<u64>, ReplayError> {
+        let (exchanges, sender) = (&mut self.exchanges, &mut self.sender);
+        let is_brought = if !self.is_virtual && options.from_ms > 0 {
+            prepare::middle(exchanges, sender, options.from_ms)?;
+            true
+        } else {
+            prepare::begin(exchanges, sender)?
+        };
+        Ok(match options.tolerance_ms {
+            Some(0) => None,
+            None if self.is_same && !is_brought => None,
+            other => Some(other.unwrap_or(TOLERANCE_MS)),
+        })
+    }
+
+    /// Sends a recorded package at its time; the new answer, if one comes.
+    fn send(&mut self, exchange: &Exchange) -> Result<Option<SynchronizationPackage>, ReplayError> {
+        let sender = &mut self.sender;
+        let recorded = exchange.answer.as_ref().and_then(|(_, answer)| mode_of(answer));
+        if !self.is_virtual
+            && recorded.is_some_and(|mode| mode != Mode::Initialising)
+            && sender.mode(exchange.address) == Some(Mode::Initialising)
+        {
+            prepare::until_rest(sender, exchange.address)?;
+            sender.begin_clock_at(Some(exchange.time_ms));
+        }
+        let due_ms = sender.due_ms(exchange.time_ms);
+        if exchange.address == Address::Motion
+            && let Some((_, answer)) = &exchange.answer
+        {
+            self.touch.follow(answer, due_ms, |until_ms| sender.wait_until(until_ms))?;
+        }
         sender.wait_until(due_ms)?;
+        sender.send(exchange)
+    }
+
+    /// Asks for the states at a time beyond the end of the recording.
+    fn look_beyond(&mut self, time_ms: u64, comparer: &mut Comparer) -> Result<(), ReplayError> {
+        let due_ms = self.sender.due_ms(time_ms);
+        self.sender.wait_until(due_ms)?;
         for address in Address::ALL {
-            if let Some(now) = sender.ask(address, Request::State)? {
-                comparer.push_beyond(address, beyond_ms, &now);
+            if let Some(now) = self.sender.ask(address, Request::State)? {
+                comparer.push_beyond(address, time_ms, &now);
             }
         }
+        Ok(())
     }
-    (report.difference, report.compared) = comparer.finish();
-    (report.touches, report.is_untouched) = (touch.count(), touch.is_missing() && !keeps_clock);
-    if !keeps_clock {
-        sender.rest()?;
-    }
-    if begun_ms.is_none() {
-        return Err(ReplayError::Nothing { from_ms: options.from_ms });
-    }
-    Ok(report)
 }
 
 /// Whether the recorded controller was not initialised yet.
-fn is_fresh(exchange: &Exchange) -> bool {
-    let report = exchange.answer.as_ref().map(|(_, answer)| answer.report);
-    let mode = match report {
-        Some(Report::Motion(report)) => Some(report.mode),
-        Some(Report::Camera(report)) => Some(report.mode),
-        _ => None,
-    };
-    mode == Some(Mode::Fresh)
+fn is_before_initialised(exchange: &Exchange) -> bool {
+    let mode = exchange.answer.as_ref().and_then(|(_, answer)| mode_of(answer));
+    matches!(mode, Some(Mode::Fresh | Mode::Initialising))
 }
 
-/// Sends a recorded package at its time; the new answer, if one comes.
-fn send(
-    sender: &mut Sender,
-    touch: &mut Touch,
-    exchange: &Exchange,
-) -> Result<Option<rsapien_protocol::SynchronizationPackage>, ReplayError> {
-    let due_ms = sender.due_ms(exchange.time_ms);
-    if exchange.address == Address::Motion
-        && let Some((_, answer)) = &exchange.answer
-    {
-        touch.follow(answer, due_ms, |until_ms| sender.wait_until(until_ms))?;
+/// The mode that an answer tells of, if it does.
+fn mode_of(answer: &SynchronizationPackage) -> Option<Mode> {
+    match answer.report {
+        Report::Motion(report) => Some(report.mode),
+        Report::Camera(report) => Some(report.mode),
+        _ => None,
     }
-    sender.wait_until(due_ms)?;
-    sender.send(exchange)
 }

@@ -1,5 +1,7 @@
 //! Bringing a robot to where the recorded one was: when the recording began, or in its middle.
 
+use std::collections::VecDeque;
+
 use rsapien_protocol::{
     Address, AimTarget, CameraReport, Mode, MotionReport, Pose, Report, Request, Step,
 };
@@ -25,6 +27,12 @@ struct Before {
     /// The next number of each session.
     next: [u8; 2],
     settings: Vec<Request>,
+    /// The steps that had not ended; the first was under way.
+    queue: VecDeque<Step>,
+    /// When the first of them began, in ms of the recorded clock.
+    begun_ms: u64,
+    /// Where the steps that had ended have sent the joints.
+    pose: Pose,
 }
 
 /// A recording may begin with a robot that was initialised before: then this one is, too. Whether that was
@@ -53,13 +61,13 @@ pub(super) fn begin(exchanges: &mut Exchanges, sender: &mut Sender) -> Result<bo
     let is_needed = before.sessions.iter().any(Option::is_some);
     if is_needed {
         before.bring_about(sender)?;
-        sender.begin_clock_anew();
+        sender.begin_clock_at(None);
     }
     Ok(is_needed)
 }
 
 /// Passes over what was recorded before `from_ms`, and brings the robot to where the recorded one was. The next
-/// exchange is the first at which the recorded robot was at rest.
+/// exchange is the first after a step began or the recorded robot was at rest.
 pub(super) fn middle(
     exchanges: &mut Exchanges,
     sender: &mut Sender,
@@ -70,7 +78,8 @@ pub(super) fn middle(
         let Some(exchange) = exchanges.next().transpose()? else {
             return Err(ReplayError::Nothing { from_ms });
         };
-        if exchange.time_ms >= from_ms && before.is_at_rest() {
+        let has_begun_step = !before.queue.is_empty() && before.begun_ms >= from_ms;
+        if exchange.time_ms >= from_ms && (has_begun_step || before.is_at_rest()) {
             break exchange;
         }
         before.note(&exchange);
@@ -95,10 +104,53 @@ impl Before {
                 self.settings.push(package.request);
             }
         }
+        if accepted.is_some() {
+            self.note_steps(package.request, exchange.time_ms);
+        }
         match exchange.answer.as_ref().map(|(_, answer)| answer.report) {
-            Some(Report::Motion(report)) => self.motion = Some(report),
+            Some(Report::Motion(report)) => {
+                self.note_ended(&report, exchange.time_ms);
+                self.motion = Some(report);
+            }
             Some(Report::Camera(report)) => self.camera = Some(report),
             _ => {}
+        }
+    }
+
+    fn note_steps(&mut self, request: Request, time_ms: u64) {
+        match request {
+            Request::Step(step) => {
+                if step.replace {
+                    self.queue.clear();
+                }
+                if self.queue.is_empty() {
+                    self.begun_ms = time_ms;
+                }
+                self.queue.push_back(Step { replace: false, ..step });
+            }
+            Request::Init => {
+                self.queue.clear();
+                self.pose = Pose::MIDDLE;
+            }
+            Request::Stop => self.queue.clear(),
+            _ => {}
+        }
+    }
+
+    fn note_ended(&mut self, report: &MotionReport, time_ms: u64) {
+        let before = self.motion.map_or(report.steps_ended, |before| before.steps_ended);
+        match report.mode {
+            Mode::Executing | Mode::Idle => {}
+            // Steps wait for the end of it.
+            Mode::Initialising => self.begun_ms = time_ms,
+            Mode::Fresh | Mode::Stopped | Mode::Held => self.queue.clear(),
+        }
+        for _ in 0..report.steps_ended.wrapping_sub(before) {
+            let Some(step) = self.queue.pop_front() else { break };
+            self.begun_ms += u64::from(step.duration_ms);
+            for primitive in step.pose.primitives() {
+                self.pose = self.pose.with(primitive.joint(), Some(primitive.position()));
+            }
         }
     }
 
@@ -121,8 +173,9 @@ impl Before {
             if report.mode != Mode::Fresh {
                 sender.ask(Address::Motion, Request::Init)?;
                 until_rest(sender, Address::Motion)?;
-                if report.pose_reached != Pose::MIDDLE && !report.pose_reached.is_empty() {
-                    let step = Step::new(report.pose_reached, POSE_MS);
+                let pose = if self.queue.is_empty() { report.pose_reached } else { self.pose };
+                if pose != Pose::MIDDLE && !pose.is_empty() {
+                    let step = Step::new(pose, POSE_MS);
                     sender.ask(Address::Motion, Request::Step(step))?;
                     until_rest(sender, Address::Motion)?;
                 }
@@ -146,6 +199,12 @@ impl Before {
             )?;
             until_rest(sender, Address::Camera)?;
         }
+        if !self.queue.is_empty() {
+            sender.begin_clock_at(Some(self.begun_ms));
+            for step in &self.queue {
+                sender.ask(Address::Motion, Request::Step(*step))?;
+            }
+        }
         for (address, next) in Address::ALL.into_iter().zip(self.next) {
             sender.go_on(address, next);
         }
@@ -154,7 +213,7 @@ impl Before {
 }
 
 /// Asks the controller for its state until it rests.
-fn until_rest(sender: &mut Sender, address: Address) -> Result<(), ReplayError> {
+pub(super) fn until_rest(sender: &mut Sender, address: Address) -> Result<(), ReplayError> {
     let limit_ms = sender.now_ms() + LIMIT_MS;
     while sender.now_ms() < limit_ms {
         sender.wait_until(sender.now_ms() + POLL_MS)?;

@@ -1,11 +1,11 @@
 //! The PC's end of the line in a replay: recorded packages, numbered anew.
 
 use rsapien_protocol::{
-    ActionPackage, Address, Direction, Fed, Mode, Receiver, Report, Request, SessionConfig,
+    ActionPackage, Address, Direction, Fed, Mode, Receiver, Request, SessionConfig,
     SynchronizationPackage,
 };
 
-use super::{Exchange, ReplayError};
+use super::{Exchange, ReplayError, mode_of};
 use crate::CancelToken;
 use crate::link::Link;
 use crate::recording::exchange::is_answer;
@@ -38,7 +38,8 @@ pub(super) struct Sender {
     clock_shift_ms: Option<i64>,
     cancel: CancelToken,
     is_stopping: bool,
-    last_motion: Option<Mode>,
+    /// As told last: motion, camera.
+    modes: [Option<Mode>; 2],
 }
 
 impl Sender {
@@ -59,13 +60,16 @@ impl Sender {
             clock_shift_ms: keeps_clock.then_some(0),
             cancel,
             is_stopping: false,
-            last_motion: None,
+            modes: [None; 2],
         }
     }
 
-    /// The next package is due when it is asked for, whatever the clocks say.
-    pub(super) fn begin_clock_anew(&mut self) {
+    /// Lets this moment stand for a recorded one; without one, for that of the next package.
+    pub(super) fn begin_clock_at(&mut self, recorded_ms: Option<u64>) {
         self.clock_shift_ms = None;
+        if let Some(recorded_ms) = recorded_ms {
+            self.due_ms(recorded_ms);
+        }
     }
 
     /// The time of the link's clock at which a package of this recorded time is due. The first is due now.
@@ -75,6 +79,11 @@ impl Sender {
             .clock_shift_ms
             .get_or_insert(now_ms.cast_signed().saturating_sub(recorded_ms.cast_signed()));
         recorded_ms.saturating_add_signed(shift_ms)
+    }
+
+    /// The controller's mode, as it told last.
+    pub(super) fn mode(&self, address: Address) -> Option<Mode> {
+        self.modes[usize::from(address == Address::Camera)]
     }
 
     pub(super) fn now_ms(&self) -> u64 {
@@ -143,11 +152,10 @@ impl Sender {
     }
 
     /// At the end: what still moves is stopped.
-    pub(super) fn rest(&mut self) -> Result<(), ReplayError> {
-        if matches!(self.last_motion, Some(Mode::Initialising | Mode::Executing)) {
+    pub(super) fn rest(&mut self) {
+        if matches!(self.mode(Address::Motion), Some(Mode::Initialising | Mode::Executing)) {
             self.stop();
         }
-        Ok(())
     }
 
     /// Stops the motors, whatever was cancelled.
@@ -249,9 +257,8 @@ impl Sender {
                 }
             }
             if let Some(answer) = found {
-                if let Report::Motion(report) = answer.report {
-                    self.last_motion = Some(report.mode);
-                }
+                self.modes[usize::from(address == Address::Camera)] =
+                    mode_of(&answer).or(self.mode(address));
                 return Ok(Some(answer));
             }
         }

@@ -5,22 +5,27 @@ mod support;
 
 use support::User;
 
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 24] = [
     "demo",
     "ports",
     "doctor",
     "state",
+    "top",
     "init",
     "stop",
     "do",
     "play",
     "actions",
+    "teach",
     "look",
     "snapshot",
     "detect",
     "eval",
     "bench-detect",
     "watch",
+    "record",
+    "log",
+    "replay",
     "sim",
     "config",
     "completions",

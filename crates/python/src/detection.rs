@@ -11,7 +11,8 @@ use crate::errors::value_error;
 use crate::picture::{Borrowed, to_numpy};
 
 /// The fields of a structured array, in the order of [`row`], and the score.
-const FIELDS: [&str; 6] = ["center_x", "center_y", "semi_major", "semi_minor", "theta", "score"];
+pub(crate) const FIELDS: [&str; 6] =
+    ["center_x", "center_y", "semi_major", "semi_minor", "theta", "score"];
 
 /// What a detection found.
 #[pyclass(name = "Detection", module = "rsapien", frozen)]

@@ -19,6 +19,7 @@ create_exception!(rsapien, ControllerHeld, RsapienError, "Another holder has the
 create_exception!(rsapien, MotionInterrupted, RsapienError, "What was under way ended early.");
 create_exception!(rsapien, OutcomeUnknown, RsapienError, "Whether the robot did it is unknown.");
 create_exception!(rsapien, BadReport, RsapienError, "A report this version does not understand.");
+create_exception!(rsapien, RecordingError, RsapienError, "A recording cannot be read or written.");
 create_exception!(rsapien, RegistryError, RsapienError, "The registry could not do it.");
 create_exception!(rsapien, RegistryTooNew, RegistryError, "A newer program wrote the registry.");
 create_exception!(rsapien, UnknownAction, RegistryError, "The registry has no such action.");
@@ -65,6 +66,13 @@ pub(crate) fn robot_error(error: Error) -> PyErr {
     }
 }
 
+/// The exception of an error of a recording.
+pub(crate) fn recording_error(error: rsapien::recording::RecordingError) -> PyErr {
+    let cause = std::error::Error::source(&error);
+    let cause = cause.map_or_else(String::new, |cause| format!(": {cause}"));
+    RecordingError::new_err(format!("{error}{cause}"))
+}
+
 /// The exception of an error of the registry.
 pub(crate) fn registry_error(error: StoreError) -> PyErr {
     let text = error.to_string();
@@ -94,6 +102,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MotionInterrupted", py.get_type::<MotionInterrupted>())?;
     module.add("OutcomeUnknown", py.get_type::<OutcomeUnknown>())?;
     module.add("BadReport", py.get_type::<BadReport>())?;
+    module.add("RecordingError", py.get_type::<RecordingError>())?;
     module.add("RegistryError", py.get_type::<RegistryError>())?;
     module.add("RegistryTooNew", py.get_type::<RegistryTooNew>())?;
     module.add("UnknownAction", py.get_type::<UnknownAction>())?;

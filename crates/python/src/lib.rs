@@ -8,6 +8,7 @@ mod finding;
 mod guest;
 mod picture;
 mod pose;
+mod recording;
 mod registry;
 mod robot;
 mod state;
@@ -38,6 +39,9 @@ fn _rsapien(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<tracker::PyTracker>()?;
     module.add_class::<tracker::PyTrack>()?;
     module.add_class::<registry::PyRegistry>()?;
+    module.add_class::<recording::PyRecording>()?;
+    module.add_class::<recording::PyFrames>()?;
+    module.add_class::<recording::PyRecorder>()?;
     module.add_class::<robot::PyOutcome>()?;
     module.add_class::<robot::PyRobot>()?;
     module.add_function(wrap_pyfunction!(detect::detect, module)?)?;

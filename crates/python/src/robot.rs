@@ -1,6 +1,7 @@
 //! `Robot`: the robot from Python.
 
 use crate::errors::{robot_error, value_error};
+use crate::recording::{PyRecorder, RecorderSlot};
 use crate::registry::{Arguments, NameOrText, PyRegistry, values};
 use crate::state::state_dict;
 use crate::waiting::{self, Listeners, ProgressTold};
@@ -9,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rsapien::link::virtual_robot::{Controllers, FirmwareConfig, Pace};
 use rsapien::protocol::Status;
+use rsapien::recording::About;
 use rsapien::sharing::Desk;
 use rsapien::sim::world::World;
 use rsapien::{
@@ -19,7 +21,7 @@ use rsapien::{
 use rsapien_registry::{CompileOptions, CompiledAction, Statement};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What is held of the robot while it is open; the controllers are taken when they are first used.
 struct Open {
@@ -69,6 +71,9 @@ pub(crate) struct PyRobot {
     /// It keeps the line open, and goes with the rest.
     stop: Mutex<Option<StopHandle>>,
     link: String,
+    recorder: RecorderSlot,
+    /// What a recording tells of itself.
+    about: About,
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -76,11 +81,32 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl PyRobot {
-    fn start(py: Python<'_>, address: &LinkAddress, options: RobotOptions) -> PyResult<PyRobot> {
+    fn start(
+        py: Python<'_>,
+        address: &LinkAddress,
+        mut options: RobotOptions,
+    ) -> PyResult<PyRobot> {
+        let recorder = RecorderSlot::default();
+        let slot = Arc::clone(&recorder);
+        options.on_line = Some(Box::new(move |event| {
+            if let Some(recorder) = locked(&slot).as_ref() {
+                recorder.line_event(event);
+            }
+        }));
+        // A recording begins somewhere in the middle of what happens, so that the same virtual robot could not be
+        // made again.
+        let about = About {
+            program: options.program.clone(),
+            link: address.to_string(),
+            baud: options.baud,
+            ..About::default()
+        };
         let robot = py.detach(|| Robot::open(address, options)).map_err(robot_error)?;
         Ok(PyRobot {
             stop: Mutex::new(Some(robot.stop_handle())),
             link: robot.link_name().to_owned(),
+            recorder,
+            about,
             calls: Mutex::default(),
             pause: PauseSwitch::new(),
             open: Mutex::new(Some(Open {
@@ -323,6 +349,11 @@ impl PyRobot {
     /// Lets what is paused go on.
     fn resume(&self) {
         self.pause.resume();
+    }
+
+    #[pyo3(signature = (path, *, force=false))]
+    fn record(&self, path: PathBuf, force: bool) -> PyResult<PyRecorder> {
+        PyRecorder::begin(path, force, &self.about, &self.recorder)
     }
 
     fn close(&self, py: Python<'_>) {

@@ -16,6 +16,7 @@ mod man;
 mod play;
 mod ports;
 mod record;
+mod replay;
 mod sim;
 mod snapshot;
 mod state;
@@ -54,6 +55,7 @@ pub(crate) enum Command {
     Watch(watch::Cmd),
     Record(Box<record::Cmd>),
     Log(log::Cmd),
+    Replay(replay::Cmd),
     Sim(sim::Cmd),
     Config(config::Cmd),
     Completions(completions::Cmd),
@@ -88,6 +90,7 @@ impl Command {
             Self::Watch(cmd) => cmd.run(context, out),
             Self::Record(cmd) => cmd.run(context, out),
             Self::Log(cmd) => cmd.run(context, out),
+            Self::Replay(cmd) => cmd.run(context, out),
             Self::Sim(cmd) => cmd.run(context, out),
             Self::Config(cmd) => cmd.run(context, out),
             Self::Completions(cmd) => cmd.run(context, out),

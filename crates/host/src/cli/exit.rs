@@ -7,7 +7,7 @@ pub(crate) enum Status {
     /// What was asked for was done.
     Done = 0,
     /// The command did its part, and the answer is no: the robot refused or was interrupted, or nothing was found (no
-    /// robot on any port, no ellipse, no ball).
+    /// robot on any port, no ellipse, no ball), or the answers of a replay differ.
     Refused = 1,
     /// The command could not do its part: bad usage, a link or file that cannot be opened, a robot that does not answer.
     Failed = 2,
@@ -26,7 +26,7 @@ impl Status {
 pub(crate) const HELP: &str = "\
 Exit statuses:
   0    done
-  1    the robot refused or was interrupted, or nothing was found
+  1    the robot refused or was interrupted, nothing was found, or a replay differs
   2    the command failed: bad usage, a link or file that cannot be opened, no answer
   130  ended by Ctrl-C or SIGTERM, after the motors were stopped";
 

@@ -12,6 +12,8 @@ use super::diagnostics::{Failure, Result};
 
 /// The simulator of the chips, as it is built in a clone.
 const BUILT: &str = "target/firmware/sim/rsapien-gpsim";
+/// The images, as they are kept in a clone.
+const FOLDER: &str = "firmware-pic/hex";
 /// And as it is called where it is installed.
 const NAME: &str = "rsapien-gpsim";
 /// Names another one.
@@ -26,7 +28,7 @@ pub(crate) struct FirmwareOptions {
         long,
         value_name = "DIR",
         num_args = 0..=1,
-        default_missing_value = "firmware-pic/hex"
+        default_missing_value = FOLDER
     )]
     firmware: Option<PathBuf>,
 
@@ -45,6 +47,15 @@ impl FirmwareOptions {
     /// The controllers asked for.
     pub(crate) fn controllers(&self, context: &Context) -> Result<Controllers> {
         let Some(folder) = &self.firmware else { return Ok(Controllers::Model) };
+        self.of(folder, context)
+    }
+
+    /// A firmware in any case: that of a clone where none is asked for.
+    pub(crate) fn controllers_or_default(&self, context: &Context) -> Result<Controllers> {
+        self.of(self.firmware.as_deref().unwrap_or(Path::new(FOLDER)), context)
+    }
+
+    fn of(&self, folder: &Path, context: &Context) -> Result<Controllers> {
         let simulator = self.simulator.clone().unwrap_or_else(|| {
             match env::var_os(VARIABLE).filter(|value| !value.is_empty()) {
                 Some(path) => PathBuf::from(path),

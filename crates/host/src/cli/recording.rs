@@ -102,17 +102,20 @@ impl Recording {
 pub(crate) struct Performance<'recording> {
     recorder: &'recording Recorder,
     name: String,
-    /// Steps ended and index of the label, as told last.
-    told: Option<(usize, Option<usize>)>,
+    /// What is played instead, steps ended and index of the label, as told last.
+    told: Option<(Option<usize>, usize, Option<usize>)>,
 }
 
 impl Performance<'_> {
     /// Tells how far it is, when that has changed.
     pub(crate) fn step(&mut self, time_ms: u64, action: &CompiledAction, progress: &Progress) {
-        let now = (progress.steps_ended, progress.label);
+        let now = (progress.handler, progress.steps_ended, progress.label);
         if self.told.replace(now) == Some(now) {
             return;
         }
+        // What is played instead of the rest tells of itself.
+        let instead = progress.handler.and_then(|index| action.handlers.get(index));
+        let action = instead.unwrap_or(action);
         let label = progress.label.and_then(|index| action.labels.get(index));
         self.recorder.motion(
             time_ms,
@@ -122,6 +125,7 @@ impl Performance<'_> {
                 "steps_ended": progress.steps_ended,
                 "steps_total": progress.steps_total,
                 "label": label.map(|label| &*label.name),
+                "instead": instead.map(|it| it.name.as_str()),
             }),
         );
     }

@@ -124,7 +124,7 @@ pub(crate) fn motion_report(report: &MotionReport) -> Value {
         "presses": presses,
         "middle_switches": {"left": left, "right": right},
         "motors": by_joint(&|joint| report.is_running(joint).into()),
-        "pose": by_joint(&|joint| report.position(joint).map_or(0, |it| it.number()).into()),
+        "pose": by_joint(&|joint| report.position(joint).map_or(0, rsapien_protocol::Position::number).into()),
         "supply_low": report.supply_low,
         "queue_free": report.queue_free,
         "steps_ended": report.steps_ended,

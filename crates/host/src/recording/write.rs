@@ -175,7 +175,8 @@ impl Recorder {
         Box::new(move |event| recorder.line_event(event))
     }
 
-    fn line_event(&self, event: &LineEvent<'_>) {
+    /// Keeps one thing that happened on the line.
+    pub fn line_event(&self, event: &LineEvent<'_>) {
         let mut writing = self.writing();
         match event {
             LineEvent::Sent { time_ms, bytes } => {
@@ -256,6 +257,8 @@ impl Writing {
         let mut writer = WriteOptions::new()
             .compression(Some(Compression::Lz4))
             .chunk_size(Some(CHUNK_BYTES))
+            // A chunk is written whole, or a program that is killed would leave half of one.
+            .disable_seeking(true)
             .library(concat!("rsapien ", env!("CARGO_PKG_VERSION")))
             .create(BufWriter::new(file))?;
         for topic in Topic::ALL {

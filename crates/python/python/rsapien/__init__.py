@@ -1,7 +1,7 @@
 """A toy humanoid as a laboratory robot, and an ellipse detector.
 
 ``Robot`` is the robot, real or virtual (``aio.Robot`` for programs with asyncio); ``Registry`` keeps its actions, and
-``Action`` builds one in code; ``detect`` finds ellipses in a numpy
+``Action`` builds one in code; ``Recording`` reads what was recorded; ``detect`` finds ellipses in a numpy
 array, ``Detector`` in many, and ``Tracker`` follows them through a video; ``pose`` leads from an ellipse to
 space. Every error is a ``RsapienError``, but for wrong types and values, which are ``TypeError`` and
 ``ValueError`` as usual.
@@ -22,6 +22,9 @@ from rsapien._rsapien import (
     MotionInterrupted,
     Outcome,
     OutcomeUnknown,
+    Recorder,
+    Recording,
+    RecordingError,
     Registry,
     RegistryError,
     RegistryTooNew,
@@ -52,6 +55,9 @@ __all__ = [
     "MotionInterrupted",
     "Outcome",
     "OutcomeUnknown",
+    "Recorder",
+    "Recording",
+    "RecordingError",
     "Registry",
     "RegistryError",
     "RegistryTooNew",

@@ -37,6 +37,9 @@ class OutcomeUnknown(RsapienError):
 class BadReport(RsapienError):
     """A report this version does not understand."""
 
+class RecordingError(RsapienError):
+    """A recording cannot be read or written."""
+
 class RegistryError(RsapienError):
     """The registry could not do it."""
 
@@ -566,6 +569,63 @@ class Outcome:
     def __bool__(self) -> bool:
         """Whether it was done."""
 
+class Frames:
+    """The pictures of a recording, one after the other."""
+
+    def __iter__(self) -> Frames: ...
+    def __next__(self) -> tuple[int, NDArray[np.uint8]]: ...
+
+class Recording:
+    """A recording: a file that ``rsapien record`` or ``Robot.record`` has written.
+
+    Times are milliseconds of the line's clock. Each call reads the file anew.
+    """
+
+    def __new__(cls, path: Union[str, PathLike[str]]) -> Recording:
+        """Reads the file once, from its begin to its end; ``RecordingError`` if it is no recording."""
+    @property
+    def topics(self) -> dict[str, int]:
+        """How many messages each channel has; only those with some."""
+    @property
+    def time_range(self) -> Optional[tuple[int, int]]:
+        """Time of the first and of the last message; None of an empty recording."""
+    @property
+    def complete(self) -> bool:
+        """False when the end of the file is missing: its writer was killed, or still writes."""
+    @property
+    def about(self) -> dict[str, Any]:
+        """``program``, ``link``, ``baud``, and of a virtual robot ``seed``, ``controllers`` and ``fast``."""
+    def states(self) -> NDArray[np.void]:
+        """A structured array, a row a state.
+
+        ``time_ms``, ``mode``, ``cause``; ``bumpers`` and ``presses`` by bumper, ``motors`` and ``pose`` by
+        joint (1 to 3, 0 on the way); ``supply_low``, ``queue_free``, ``steps_ended``, ``boot``; ``pan``,
+        ``tilt``, ``pan_target``, ``tilt_target`` in degrees, nan without a camera controller.
+        """
+    def packages(self) -> list[dict[str, Any]]:
+        """Every package: ``time_ms``, ``direction``, ``controller``, ``kind``, ``words``, ``hex``, …"""
+    def motion(self) -> list[dict[str, Any]]:
+        """What was played: ``time_ms``, ``event`` (``begin``, ``step``, ``end``), ``action``, ``outcome``, …"""
+    def bytes(self) -> list[tuple[int, str, bytes]]:
+        """Every byte on the line: time, ``to-robot`` or ``to-pc``, and those that came together."""
+    def frames(self) -> Frames:
+        """The pictures: time, and an array (height, width, 3)."""
+    def detections(self) -> NDArray[np.void]:
+        """A structured array, a row an ellipse: ``time_ms``, and the fields of ``Detection.to_structured``."""
+
+class Recorder:
+    """A recording that is being written. Use it in a ``with``, or call ``finish``."""
+
+    def finish(self) -> None:
+        """Ends the file."""
+    def __enter__(self) -> Recorder: ...
+    def __exit__(
+        self,
+        kind: Optional[type[BaseException]] = None,
+        error: Optional[BaseException] = None,
+        traceback: Optional[TracebackType] = None,
+    ) -> None: ...
+
 Policy = Literal["refuse", "queue", "replace", "merge"]
 
 class Robot:
@@ -594,6 +654,8 @@ class Robot:
         """
     @property
     def link(self) -> str: ...
+    def record(self, path: Union[str, PathLike[str]], *, force: bool = False) -> Recorder:
+        """Records bytes, packages and states from now on; a file that is there is replaced with ``force``."""
     def init(self) -> None:
         """Robot initialisation: every joint is driven to its middle position."""
     def state(self) -> State:

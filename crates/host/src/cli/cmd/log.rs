@@ -51,7 +51,7 @@ impl Cmd {
         let mut reader = RecordingReader::open(&self.file)?;
         let mut decoder = LineDecoder::new();
         let mut last_ms = 0;
-        while let Some(entry) = reader.next() {
+        for entry in reader.by_ref() {
             let entry = entry?;
             last_ms = entry.time_ms;
             match entry.topic {

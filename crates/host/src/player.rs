@@ -40,7 +40,7 @@ pub(crate) use floor::Floor;
 pub(crate) use outcome::{ending_bumpers, interruption};
 pub(crate) use perform::perform;
 pub(crate) use run::{RunEnd, play, run};
-pub(crate) use source::{POLL_AHEAD_MS, Seen, Source, duration_ms, is_paused};
+pub(crate) use source::{POLL_AHEAD_MS, POLL_MS, Seen, Source, duration_ms, is_paused};
 
 use crate::Error;
 

@@ -165,6 +165,12 @@ impl Stage {
         self.handle.inner.robot.line.state()
     }
 
+    /// Has actions that join begin within 0.4 s, whatever is played: steps are cut into slices of at most 200 ms, which the
+    /// robot counts as steps. Otherwise one that joins begins when the steps have ended that are in the robot's queue.
+    pub fn share(&self) {
+        self.handle.inner.state().merge.is_shared = true;
+    }
+
     /// What is being played, and what waits behind it.
     pub fn claims(&self) -> (Vec<Claim>, Vec<Claim>) {
         let state = self.handle.inner.state();

@@ -81,7 +81,11 @@ impl Floor {
         let open = robot::open_at(context, &address, command, pace)?;
         let motion = open.ready_motion(context, out)?;
         let stage = Stage::new(motion)?;
-        let desk = Desk::open(&open.robot, &stage)?;
+        // What is recorded is to be what was asked for, and nothing beside it.
+        let desk = match context.recording {
+            Some(_) => None,
+            None => Desk::open(&open.robot, &stage)?,
+        };
         Ok(Floor::Own { open: Box::new(open), stage, desk })
     }
 

@@ -54,6 +54,7 @@ impl Desk {
         }
         let listener = UnixListener::bind(&path).map_err(failed)?;
         fs::set_permissions(&path, Permissions::from_mode(0o600)).map_err(failed)?;
+        stage.share();
         let shared = Arc::new(Shared {
             stage: stage.clone(),
             is_closing: AtomicBool::new(false),

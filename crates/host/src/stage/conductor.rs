@@ -7,7 +7,7 @@ use rsapien_protocol::{BumperMask, MotionReport, Step};
 use super::{Inner, State};
 use crate::line::Line;
 use crate::player::{
-    CancelToken, Outcome, POLL_AHEAD_MS, PauseSwitch, Progress, RunEnd, Seen, Source,
+    CancelToken, Outcome, POLL_AHEAD_MS, POLL_MS, PauseSwitch, Progress, RunEnd, Seen, Source,
     ending_bumpers, is_paused, run,
 };
 use crate::{Error, Interruption};
@@ -63,7 +63,7 @@ pub(super) fn conduct(inner: &Inner) {
             state.run_generation
         };
         let own_stops = *inner.own_stops();
-        let mut conductor = Conductor { inner, ended: 0, accepted: 0 };
+        let mut conductor = Conductor { inner, ended: 0, accepted: 0, queue_ends_ms: 0 };
         let end = run(&inner.robot.line, &mut conductor, false, run_generation);
         // The STOPs of this run, and whether there was another.
         let own = *inner.own_stops() - own_stops;
@@ -82,6 +82,8 @@ struct Conductor<'a> {
     /// Slices accepted and ended, as far as they are accounted for.
     accepted: usize,
     ended: usize,
+    /// When the robot's queue will be empty.
+    queue_ends_ms: u64,
 }
 
 impl Source for Conductor<'_> {
@@ -110,6 +112,7 @@ impl Source for Conductor<'_> {
         let begun_before: Vec<u64> =
             streams.iter().map(|stream| stream.id).filter(|id| begun(merge, *id)).collect();
         let whose = merge.accept();
+        self.queue_ends_ms = self.queue_ends_ms.max(seen.now_ms) + merge.latest_ms();
         for stream in streams.iter_mut().filter(|stream| whose.contains(&stream.id)) {
             stream.before.get_or_insert(seen.latest);
             let waited = ran_dry && !stream.was_paused && begun_before.contains(&stream.id);
@@ -161,8 +164,14 @@ impl Source for Conductor<'_> {
         state.merge.queued_ms() + longest_ms.unwrap_or(0)
     }
 
-    fn sleep_ms(&self, _seen: &Seen) -> u64 {
-        POLL_AHEAD_MS
+    fn sleep_ms(&self, seen: &Seen) -> u64 {
+        let state = self.inner.state();
+        if state.merge.parts.iter().all(super::merge::Part::is_sent) {
+            let left_ms = self.queue_ends_ms.saturating_sub(seen.now_ms);
+            return left_ms.clamp(POLL_AHEAD_MS / 2, POLL_MS);
+        }
+        // The next slice has to come before the queue is empty.
+        state.merge.queued_ms().saturating_sub(AHEAD_MS / 2).clamp(POLL_AHEAD_MS, POLL_MS)
     }
 
     fn stop(&self, line: &Line) -> Result<(), Error> {
@@ -272,7 +281,8 @@ impl State {
             let told = error.take().unwrap_or(Error::Closed);
             let _ = stream.events.send(Event::End(Err(told)));
         }
-        self.merge = super::Merge::default();
+        self.merge.parts.clear();
+        self.merge.rewind();
     }
 }
 

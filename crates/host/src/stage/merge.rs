@@ -1,6 +1,7 @@
 //! Actions side by side: their steps become one row of slices for the robot's one queue.
 //!
-//! A slice lasts at most until the next of them ends a step, and at most [`SLICE_MS`]. It sends the joints of
+//! A slice lasts at most until the next of them ends a step, and at most [`SLICE_MS`] where others may join at any
+//! moment. It sends the joints of
 //! every step that begins with it and leaves the others as they are, so that each action's joints are sent when,
 //! and for as long as, its own text says. Without this the robot's queue could only hold one action.
 
@@ -103,6 +104,8 @@ pub(crate) struct Merge {
     pub(crate) parts: Vec<Part>,
     sent: VecDeque<Slice>,
     proposed: Option<Slice>,
+    /// Whether others may join at any moment, so that no slice is to be long.
+    pub(crate) is_shared: bool,
 }
 
 impl Merge {
@@ -115,7 +118,8 @@ impl Merge {
             .collect();
         let shortest_ms = heads.iter().map(|(_, _, _, left_ms)| *left_ms).min()?;
         // Even slices: a short one at the end would be over before the next has come.
-        let duration_ms = shortest_ms.div_ceil(shortest_ms.div_ceil(SLICE_MS));
+        let count = if self.is_shared { shortest_ms.div_ceil(SLICE_MS) } else { 1 };
+        let duration_ms = shortest_ms.div_ceil(count);
         let mut pose = Pose::EMPTY;
         let mut bumpers = 0;
         for (part, _, step, _) in &heads {
@@ -171,6 +175,11 @@ impl Merge {
             }
         }
         told
+    }
+
+    /// How long the slice accepted last lasts, in ms.
+    pub(crate) fn latest_ms(&self) -> u64 {
+        self.sent.back().map_or(0, |slice| u64::from(slice.duration_ms))
     }
 
     /// What was sent and has not ended lasts so long, the slice under way left out, in ms.

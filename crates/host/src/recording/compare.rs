@@ -33,7 +33,7 @@ pub struct Field {
 pub struct Difference {
     /// When the recorded answer came, or the request was sent that has none now; in ms of the recorded clock.
     pub time_ms: u64,
-    /// The how manieth package of the PC it answers, from 1 on.
+    /// The number of the request among the packages of the PC, from 1 on.
     pub package: u64,
     /// The controller.
     pub address: Address,

@@ -93,8 +93,7 @@ impl PyRobot {
                 recorder.line_event(event);
             }
         }));
-        // A recording begins somewhere in the middle of what happens, so that the same virtual robot could not be
-        // made again.
+        // No seed and no world: a recording begins in the middle, where no new virtual robot is.
         let about = About {
             program: options.program.clone(),
             link: address.to_string(),

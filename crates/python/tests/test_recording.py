@@ -1,5 +1,6 @@
 """Recordings: written by the command and by Robot.record, read as arrays."""
 
+import asyncio
 import re
 from pathlib import Path
 
@@ -79,6 +80,17 @@ def test_a_robot_records_itself(tmp_path):
     assert len(steps) == 1
     # It begins in the middle: the robot that plays it again is brought to where this one was.
     assert run_command(["rsapien", "replay", str(file)]) == 0
+
+
+def test_a_robot_of_asyncio_records_itself(tmp_path):
+    async def main():
+        async with rsapien.aio.Robot.virtual(fast=True) as robot:
+            with robot.record(tmp_path / "aio.mcap"):
+                await robot.init()
+
+    asyncio.run(main())
+    packages = rsapien.Recording(tmp_path / "aio.mcap").packages()
+    assert "INIT" in {package["kind"] for package in packages}
 
 
 def test_what_is_no_recording(tmp_path):

@@ -31,7 +31,7 @@ pub enum What {
 pub enum LineMark {
     /// The same bytes as before, because no answer came.
     Resent {
-        /// The how manieth time it is sent, from 2 on.
+        /// Which try it is, from 2 on.
         try_number: u32,
     },
     /// The request before it, to the same controller, was never answered.
@@ -171,11 +171,16 @@ struct Side {
     direction: Direction,
     receiver: Receiver,
     raw: Vec<u8>,
+    /// When the last of them came.
+    last_ms: u64,
 }
+
+/// Stray bytes that come further apart do not belong together.
+const STRAY_GAP_MS: u64 = rsapien_protocol::GAP_MS_PC;
 
 impl Side {
     fn new(direction: Direction) -> Side {
-        Side { direction, receiver: Receiver::listening(direction), raw: Vec::new() }
+        Side { direction, receiver: Receiver::listening(direction), raw: Vec::new(), last_ms: 0 }
     }
 
     fn entry(&mut self, time_ms: u64, what: What) -> LineEntry {
@@ -183,10 +188,20 @@ impl Side {
         LineEntry { time_ms, direction: self.direction, what, bytes, marks: Vec::new() }
     }
 
+    /// The stray bytes that have come, if there are some.
+    fn stray(&mut self) -> Option<LineEntry> {
+        let is_stray = self.receiver.state() == ReceptionState::Hunting && !self.raw.is_empty();
+        is_stray.then(|| self.entry(self.last_ms, What::Stray))
+    }
+
     fn feed(&mut self, byte: u8, time_ms: u64, to: &mut Vec<LineEntry>) {
         if self.receiver.expire(time_ms) {
             to.push(self.entry(time_ms, What::Gap));
         }
+        if time_ms.saturating_sub(self.last_ms) > STRAY_GAP_MS {
+            to.extend(self.stray());
+        }
+        self.last_ms = time_ms;
         let was_hunting = self.receiver.state() == ReceptionState::Hunting;
         let resets = self.receiver.counts().resets;
         let fed = self.receiver.feed(byte, time_ms);
@@ -242,16 +257,13 @@ impl LineDecoder {
     /// What the bytes complete.
     pub fn feed(&mut self, message: &BytesMessage) -> Vec<LineEntry> {
         let mut entries = Vec::new();
-        let side = match message.direction {
-            Direction::ToRobot => &mut self.to_robot,
-            Direction::ToPc => &mut self.to_pc,
+        let (side, other) = match message.direction {
+            Direction::ToRobot => (&mut self.to_robot, &mut self.to_pc),
+            Direction::ToPc => (&mut self.to_pc, &mut self.to_robot),
         };
+        entries.extend(other.stray());
         for byte in &message.bytes {
             side.feed(*byte, message.time_ms, &mut entries);
-        }
-        let is_hunting = side.receiver.state() == ReceptionState::Hunting;
-        if is_hunting && !side.raw.is_empty() {
-            entries.push(side.entry(message.time_ms, What::Stray));
         }
         for entry in &mut entries {
             self.mark(entry);
@@ -263,7 +275,7 @@ impl LineDecoder {
     pub fn finish(&mut self, time_ms: u64) -> Vec<LineEntry> {
         let sides = [&mut self.to_robot, &mut self.to_pc];
         let left = sides.into_iter().filter(|side| !side.raw.is_empty());
-        left.map(|side| side.entry(time_ms, What::Gap)).collect()
+        left.map(|side| side.stray().unwrap_or_else(|| side.entry(time_ms, What::Gap))).collect()
     }
 
     fn mark(&mut self, entry: &mut LineEntry) {

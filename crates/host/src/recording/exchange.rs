@@ -9,7 +9,7 @@ use super::{LineDecoder, LineEntry, RecordingError, RecordingReader, Topic, What
 /// A package that the PC sent, and what came back before the next one was sent.
 #[derive(Clone, Debug)]
 pub(super) struct Exchange {
-    /// The how manieth package of the PC it is, from 1 on.
+    /// Its number among the packages of the PC, from 1 on.
     pub(super) number: u64,
     /// When it was sent, in ms of the recorded clock.
     pub(super) time_ms: u64,

@@ -1,6 +1,9 @@
 //! Recordings written and read again.
 
-use rsapien_protocol::{Address, Direction, Request, Session, SessionConfig};
+use rsapien_protocol::{
+    ActionPackage, Address, AxisFlags, CameraReport, Direction, Mode, Report, Request, Session,
+    SessionConfig, Status, StopCause, SynchronizationPackage,
+};
 
 use super::*;
 
@@ -34,15 +37,18 @@ fn damage_on_the_line_is_told_as_what_it_is() {
     assert!(matches!(what(25, &good)[..], [What::BrokenOff, What::Package(_)]));
     // Half of one, and the rest too late.
     assert_eq!(what(30, &good[..9]), []);
-    assert_eq!(what(60, &good[9..]), [What::Gap, What::Stray]);
+    assert_eq!(what(60, &good[9..]), [What::Gap]);
     // A byte of a class that has no place there.
-    assert_eq!(what(70, &good[..1]), []);
+    assert_eq!(what(70, &good[..1]), [What::Stray]);
     assert_eq!(what(71, &[0x01]), [What::BrokenOff]);
     assert!(matches!(
         what(80, &[&[0x55], &good[..]].concat())[..],
         [What::Stray, What::Package(_)]
     ));
-    assert_eq!(what(90, &good[..3]), []);
+    // Stray bytes that follow each other are told together.
+    assert_eq!(what(82, &[0x55; 3]), []);
+    assert_eq!(what(84, &[0x56; 3]), []);
+    assert_eq!(what(90, &good[..3]), [What::Stray]);
     assert_eq!(decoder.finish(95).len(), 1);
 }
 
@@ -117,4 +123,63 @@ fn what_is_no_recording_is_refused_and_a_cut_one_is_read_to_its_end() {
         let count = reader.by_ref().map_while(Result::ok).count();
         assert!(count <= 400 && reader.is_cut(), "{length} of {}: {count}", whole.len());
     }
+}
+
+/// Compares runs of which each answer, every 100 ms, tells of a mode.
+fn compare(tolerance_ms: Option<u64>, recorded: &[Mode], now: &[Mode]) -> Option<(u64, String)> {
+    let package = |mode| SynchronizationPackage {
+        session: 1,
+        sequence: 1,
+        kind_byte: Request::State.kind().byte(),
+        status: Status::Accepted,
+        report: Report::Camera(CameraReport {
+            mode,
+            pan_centideg: 0,
+            tilt_centideg: 0,
+            pan_target_centideg: 0,
+            tilt_target_centideg: 0,
+            axes: AxisFlags::default(),
+            boot: 1,
+            reception_errors: 0,
+            cause: StopCause::Nothing,
+        }),
+    };
+    let mut comparer = compare::Comparer::new(tolerance_ms);
+    for (number, (recorded, now)) in (1..).zip(recorded.iter().zip(now)) {
+        let exchange = exchange::Exchange {
+            number,
+            time_ms: 100 * number,
+            address: Address::Camera,
+            package: ActionPackage { session: 1, sequence: 1, request: Request::State },
+            words: "STATE".to_owned(),
+            answer: Some((100 * number, package(*recorded))),
+        };
+        comparer.push(&exchange, Some(&package(*now)), true);
+    }
+    let difference = comparer.finish().0?;
+    let field = difference.fields.into_iter().next()?;
+    Some((difference.package, format!("{} {} {}", field.name, field.recorded, field.now)))
+}
+
+#[test]
+fn with_a_tolerance_a_change_may_fall_on_the_other_side_of_a_question() {
+    use Mode::{Executing as E, Held as H, Idle as I};
+    let recorded = [I, I, E, E, E, I, I];
+    let near = Some(20);
+    assert_eq!(compare(None, &recorded, &recorded), None);
+    assert_eq!(compare(near, &recorded, &recorded), None);
+    let early = [I, E, E, E, I, I, I];
+    let late = [I, I, I, E, E, E, I];
+    for other in [early, late] {
+        assert_eq!(compare(near, &recorded, &other), None);
+        assert!(compare(None, &recorded, &other).is_some());
+    }
+    let found = |package, field: &str| Some((package, field.to_owned()));
+    // Two questions late, a mode that only one of them has, and one that never came.
+    let too_late = [I, I, I, I, E, I, I];
+    assert_eq!(compare(near, &recorded, &too_late), found(3, "mode executing idle"));
+    let held = [I, I, E, H, E, I, I];
+    assert_eq!(compare(near, &recorded, &held), found(4, "mode executing held"));
+    assert_eq!(compare(near, &held, &recorded), found(4, "mode held executing"));
+    assert_eq!(compare(near, &recorded, &[I; 7]), found(3, "mode executing idle"));
 }

@@ -37,6 +37,10 @@ class Robot:
         """As ``rsapien.Robot.virtual``; await it, or use it in ``async with``."""
         return _Opening(lambda: _rsapien.Robot.virtual(**options))
 
+    def record(self, path: Any, *, force: bool = False) -> _rsapien.Recorder:
+        """As ``rsapien.Robot.record``; in a plain ``with``."""
+        return self._robot.record(path, force=force)
+
     async def init(self) -> None:
         """Robot initialisation."""
         await self._run(self._robot.init)

@@ -5,7 +5,7 @@
 //!
 //! Each step is a file with one function, named in `CHECKS` in the order in which they run: from the computer (ports,
 //! permission, adapter, other programs) over the line (speed, who answers) to the robot (firmware, resets, supply,
-//! switches) and how well packages go to and fro. A step that needs what an earlier one did not get is told as not
+//! switches) and how well packages go to and fro; last the webcam and the file of the actions, which need no robot. A step that needs what an earlier one did not get is told as not
 //! reached. Files of the system are read below [`DoctorOptions::system_root`], so that a test brings its own.
 
 mod controllers;
@@ -20,9 +20,13 @@ mod opening;
 mod permission;
 mod ports;
 mod quality;
+#[cfg(feature = "registry")]
+mod registry;
 mod resets;
 mod sensors;
 mod speed;
+#[cfg(unix)]
+mod webcam;
 
 use std::path::PathBuf;
 
@@ -50,18 +54,22 @@ pub struct DoctorOptions {
     pub system_root: PathBuf,
     /// The firmware that this program was written for: major, minor, patch; none to accept any.
     pub firmware_expected: Option<[u8; 3]>,
+    /// The file of the actions that is looked at, read only; none to look at none. It is never made. Looked at by the
+    /// feature `registry` only.
+    pub registry_file: Option<PathBuf>,
     /// How long the line is measured, in ms of its clock.
     pub measure_ms: u64,
 }
 
 impl Default for DoctorOptions {
-    /// 57600 baud, no lock, this computer's files, any firmware, a second on the line.
+    /// 57600 baud, no lock, this computer's files, any firmware, no registry, a second on the line.
     fn default() -> DoctorOptions {
         DoctorOptions {
             baud: 57_600,
             lock_folder: None,
             system_root: PathBuf::from("/"),
             firmware_expected: None,
+            registry_file: None,
             measure_ms: 1000,
         }
     }
@@ -88,7 +96,7 @@ struct Check {
 }
 
 /// The steps in their order.
-const CHECKS: [Check; 11] = [
+const CHECKS: &[Check] = &[
     Check { name: ports::NAME, needs: Needs::Nothing, run: ports::check },
     Check { name: permission::NAME, needs: Needs::Link, run: permission::check },
     Check { name: latency::NAME, needs: Needs::Link, run: latency::check },
@@ -100,6 +108,10 @@ const CHECKS: [Check; 11] = [
     Check { name: resets::NAME, needs: Needs::Robot, run: resets::check },
     Check { name: sensors::NAME, needs: Needs::Robot, run: sensors::check },
     Check { name: quality::NAME, needs: Needs::Robot, run: quality::check },
+    #[cfg(unix)]
+    Check { name: webcam::NAME, needs: Needs::Nothing, run: webcam::check },
+    #[cfg(feature = "registry")]
+    Check { name: registry::NAME, needs: Needs::Nothing, run: registry::check },
 ];
 
 /// What the steps hand on to each other.
@@ -197,7 +209,7 @@ pub fn examine_over(
         findings: Vec::new(),
         on_finding,
     };
-    for check in &CHECKS {
+    for check in CHECKS {
         let is_reached = match check.needs {
             Needs::Nothing => true,
             Needs::Link => !case.candidates.is_empty(),

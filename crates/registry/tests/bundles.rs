@@ -87,11 +87,14 @@ fn conflicts_are_shown_and_merged_as_is_said() {
         error => panic!("{error}"),
     }
     let mut mine = there();
-    mine.import_bundle(&bundle, BundlePolicy::KeepMine, &Trials::new()).unwrap();
+    let plan = mine.import_bundle(&bundle, BundlePolicy::KeepMine, &Trials::new()).unwrap();
+    assert_eq!(plan.plays_mine, [("hello".to_owned(), vec!["nod".to_owned()])]);
     assert_eq!((length(&mine, "nod"), length(&mine, "hello")), (700, 1400 + 5000));
     let mut theirs = there();
     theirs.import_bundle(&bundle, BundlePolicy::TakeTheirs, &Trials::new()).unwrap();
     assert_eq!((length(&theirs, "nod"), length(&theirs, "hello")), (900, 1800 + 5000));
+    let plan = there().plan_bundle(&bundle, BundlePolicy::TakeTheirs).unwrap();
+    assert!(plan.plays_mine.is_empty(), "the bundle's nod is what is played");
     assert_eq!(theirs.get_version("nod", 1).unwrap().text, other);
     let mut both = there();
     let plan = both.import_bundle(&bundle, BundlePolicy::RenameTheirs, &Trials::new()).unwrap();

@@ -22,9 +22,7 @@ pub(crate) struct RegistryOptions {
 impl RegistryOptions {
     /// Opens the registry; a new one knows the seed library.
     pub(crate) fn open(&self, context: &Context) -> Result<Registry> {
-        // A variable that is set to nothing is not set.
-        let asked_for = self.registry.as_ref().filter(|path| !path.as_os_str().is_empty());
-        if let Some(path) = asked_for.or(context.registry.as_ref()) {
+        if let Some(path) = self.asked_for(context) {
             return Ok(Registry::open(path)?);
         }
         let path = data::registry_file().ok_or_else(|| {
@@ -35,6 +33,17 @@ impl RegistryOptions {
             fs::create_dir_all(folder).map_err(|error| Failure::file("make", folder, &error))?;
         }
         Ok(Registry::open(path)?)
+    }
+
+    /// Which file that is, whether it is there or not; none where the system names no data folder.
+    pub(crate) fn file(&self, context: &Context) -> Option<PathBuf> {
+        self.asked_for(context).cloned().or_else(data::registry_file)
+    }
+
+    fn asked_for<'a>(&'a self, context: &'a Context) -> Option<&'a PathBuf> {
+        // A variable that is set to nothing is not set.
+        let asked_for = self.registry.as_ref().filter(|path| !path.as_os_str().is_empty());
+        asked_for.or(context.registry.as_ref())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use rsapien_protocol::{Joint, Position, Step};
+use rsapien_protocol::{BumperMask, Joint, Position, Step};
 
 use crate::compiled::CompiledAction;
 
@@ -59,6 +59,8 @@ pub enum Change {
     Bumpers {
         /// When the step begins in the first and in the second, in ms.
         at_ms: [u64; 2],
+        /// Which bumpers end it in each.
+        bumpers: [BumperMask; 2],
     },
 }
 
@@ -183,7 +185,8 @@ fn compare(left: Step, right: Step, at_ms: [u64; 2], changes: &mut Vec<Change>) 
         changes.push(Change::Duration { at_ms, durations_ms });
     }
     if left.ending_bumpers != right.ending_bumpers {
-        changes.push(Change::Bumpers { at_ms });
+        let bumpers = [left.ending_bumpers, right.ending_bumpers];
+        changes.push(Change::Bumpers { at_ms, bumpers });
     }
 }
 
@@ -198,6 +201,13 @@ fn times([first, second]: [u64; 2]) -> String {
     } else {
         format!("{} ({})", seconds(first), seconds(second))
     }
+}
+
+/// The names of the bumpers that are in `bumpers` and not in `others`.
+fn only_in(bumpers: BumperMask, others: BumperMask) -> impl Iterator<Item = &'static str> {
+    let only = bumpers.bits() & !others.bits();
+    let names = BumperMask::NAMES.into_iter().enumerate();
+    names.filter(move |(bit, _)| only & (1 << bit) != 0).map(|(_, name)| name)
 }
 
 fn step_text(step: Step) -> String {
@@ -228,8 +238,10 @@ impl fmt::Display for Change {
             Change::Duration { at_ms, durations_ms: [first, second] } => {
                 write!(formatter, "~ {}  lasts {first} ms -> {second} ms", times(*at_ms))
             }
-            Change::Bumpers { at_ms } => {
-                write!(formatter, "~ {}  other bumpers end it", times(*at_ms))
+            Change::Bumpers { at_ms, bumpers: [first, second] } => {
+                write!(formatter, "~ {}  bumpers that end it:", times(*at_ms))?;
+                only_in(*second, *first).try_for_each(|name| write!(formatter, " +{name}"))?;
+                only_in(*first, *second).try_for_each(|name| write!(formatter, " -{name}"))
             }
         }
     }

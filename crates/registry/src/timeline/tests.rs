@@ -86,6 +86,22 @@ fn differences_are_told_by_joint_and_time() {
     assert!(told.contains("~ 1.600 s  lasts 300 ms -> 250 ms"), "{told}");
 }
 
+#[test]
+fn the_bumpers_that_only_one_of_two_actions_ends_at_are_named() {
+    let step = |bits| {
+        let mut action = compiled("do right-arm-up for 500ms");
+        action.steps[0].ending_bumpers = BumperMask::from_bits(bits).unwrap();
+        action
+    };
+    let difference = Difference::between(&step(0b01_0001), &step(0b11_0010));
+    assert_eq!(
+        difference.changes[0].to_string(),
+        "~ 0.000 s  bumpers that end it: +left-foot-back +right-hand -left-foot-front"
+    );
+    assert_eq!(difference.changes.len(), 1);
+    assert!(Difference::between(&step(0b01_0001), &step(0b01_0001)).is_empty());
+}
+
 proptest! {
     #[test]
     fn rows_have_the_width_asked_for_and_pictures_are_whole(

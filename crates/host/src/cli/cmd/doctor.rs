@@ -10,6 +10,7 @@ use crate::cli::context::Context;
 use crate::cli::diagnostics::{Failure, Result};
 use crate::cli::exit::Status;
 use crate::cli::output::{Screen, json_line};
+use crate::cli::registry::RegistryOptions;
 use crate::cli::robot;
 use crate::cli::view;
 use crate::doctor::{self, Diagnosis, DoctorOptions, Finding, LineQuality, Severity};
@@ -17,8 +18,8 @@ use crate::{LinkAddress, data};
 
 /// Find out what is wrong between this computer and the robot
 ///
-/// Looks at ports, permission, adapter, other programs, line speed, firmware, resets, supply, switches and the errors of a
-/// second of packages, and ends with one verdict and the next step. Nothing is moved: HELLO, STATE and COUNTERS are all
+/// Looks at ports, permission, adapter, other programs, line speed, firmware, resets, supply, switches, the errors of a
+/// second of packages, webcams and the file of the actions, and ends with one verdict and the next step. Nothing is moved: HELLO, STATE and COUNTERS are all
 /// that is sent. A line that another rsapien holds is left alone. The exit status is 0 for a healthy robot and 1 when
 /// something is to be mended, also when there is no robot.
 #[derive(Debug, Args)]
@@ -27,16 +28,19 @@ Examples:
   rsapien doctor                          every serial port
   rsapien doctor --link /dev/ttyUSB0
   rsapien doctor --json > report.json     for a question to others")]
-pub(crate) struct Cmd {}
+pub(crate) struct Cmd {
+    #[command(flatten)]
+    registry: RegistryOptions,
+}
 
 impl Cmd {
     pub(crate) fn run(self, context: &Context, out: &mut impl Write) -> Result<Status> {
-        let Self {} = self;
         let address = robot::address(context)?;
         let options = DoctorOptions {
             baud: context.baud,
             lock_folder: data::lock_folder(),
             firmware_expected: firmware_expected(),
+            registry_file: self.registry.file(context),
             ..DoctorOptions::default()
         };
         context

@@ -1,6 +1,6 @@
 //! What an import of a bundle does with what is here already.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rusqlite::Connection;
 use serde::Serialize;
@@ -48,6 +48,8 @@ pub struct BundlePlan {
     pub conflicts: Vec<Conflict>,
     /// Names of actions that are renamed, and the new ones.
     pub renamed: Vec<(String, String)>,
+    /// Actions that are imported and play one that is kept instead of the bundle's, with the names of those.
+    pub plays_mine: Vec<(String, Vec<String>)>,
 }
 
 pub(super) fn plan(
@@ -86,10 +88,30 @@ pub(super) fn plan(
             names.insert(&conflict.name, new);
         }
     }
+    if policy == BundlePolicy::KeepMine {
+        let kept: BTreeSet<&str> = plan.conflicts.iter().map(|it| it.name.as_str()).collect();
+        for name in &imported {
+            let played = bundle.texts.get(*name).map(|text| played_of(text, &kept));
+            let played = played.filter(|played| !played.is_empty());
+            plan.plays_mine.extend(played.map(|played| ((*name).to_owned(), played)));
+        }
+    }
     let texts = imported.iter().filter_map(|name| bundle.texts.get(*name));
     let texts: Vec<String> = texts.map(|text| renamed(text, &names)).collect();
     plan.text = texts.join("\n\n");
     Ok(plan)
+}
+
+/// Those of `names` that a text plays, in the order of the alphabet.
+fn played_of(text: &str, names: &BTreeSet<&str>) -> Vec<String> {
+    let mut played = BTreeSet::new();
+    for action in parse_text(text).actions {
+        action.draft.visit(&mut |statement| {
+            let name = statement.played().map(|play| play.action.text.as_str());
+            played.extend(name.and_then(|name| names.get(name)).map(|name| (*name).to_owned()));
+        });
+    }
+    played.into_iter().collect()
 }
 
 /// `NAME-2`, or the first number above that is free here and in the bundle.

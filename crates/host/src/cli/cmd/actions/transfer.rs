@@ -144,6 +144,9 @@ fn in_words(plan: &BundlePlan, policy: BundlePolicy) -> String {
         .map(|(what, names)| format!("{what} {}", names.join(", ")))
         .collect();
     lines.extend(plan.renamed.iter().map(|(from, to)| format!("{from} is called {to} here")));
+    lines.extend(plan.plays_mine.iter().map(|(name, played)| {
+        format!("{name} plays mine of {} instead of the bundle's", played.join(", "))
+    }));
     lines.join("\n")
 }
 

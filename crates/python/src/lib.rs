@@ -1,5 +1,6 @@
 //! The Python module: conversion between Python and the crates, and nothing else.
 
+mod bundle;
 mod detect;
 mod detection;
 mod ellipse;

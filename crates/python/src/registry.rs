@@ -1,5 +1,6 @@
 //! `Registry`: the registry from Python.
 
+use crate::bundle;
 use crate::errors::{registry_error, value_error};
 use crate::finding::PyFinding;
 use crate::timeline::PyTimeline;
@@ -268,6 +269,40 @@ impl PyRegistry {
         .map_err(registry_error)
     }
 
+    #[pyo3(signature = (path, *names))]
+    fn export_bundle(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        names: Vec<String>,
+    ) -> PyResult<Vec<String>> {
+        py.detach(|| bundle::export(&self.lock(), &path, &names))
+    }
+
+    #[pyo3(signature = (path, *, on_conflict="refuse"))]
+    fn import_bundle<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        on_conflict: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let policy = bundle::policy(on_conflict)?;
+        let plan = py.detach(|| bundle::import(&mut self.lock(), &path, policy))?;
+        bundle::dict(py, &plan)
+    }
+
+    #[pyo3(signature = (path, *, on_conflict="keep-mine"))]
+    fn plan_bundle<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        on_conflict: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let policy = bundle::policy(on_conflict)?;
+        let plan = py.detach(|| bundle::plan(&self.lock(), &path, policy))?;
+        bundle::dict(py, &plan)
+    }
+
     fn check(&self, py: Python<'_>, text: &str) -> PyResult<Vec<PyFinding>> {
         let checked = py.detach(|| self.lock().check_text(text)).map_err(registry_error)?;
         Ok(PyFinding::list(&checked.findings))
@@ -299,7 +334,7 @@ impl PyRegistry {
 }
 
 /// How the actions of a text went on the virtual body, where nothing is wrong with them.
-fn try_all(registry: &Registry, text: &str) -> PyResult<Trials> {
+pub(crate) fn try_all(registry: &Registry, text: &str) -> PyResult<Trials> {
     let checked = registry.check_text(text).map_err(registry_error)?;
     let mut trials = Trials::new();
     if checked.findings.has_errors() {

@@ -90,3 +90,23 @@ def test_a_newer_file_and_a_broken_one(tmp_path):
     broken.write_bytes(b"not a database" * 500)
     with pytest.raises(rsapien.RegistryError, match="broken.sqlite"):
         rsapien.Registry(broken)
+
+
+def test_bundles_go_from_registry_to_registry_and_conflicts_are_told(tmp_path):
+    mine, other = (rsapien.Registry(tmp_path / name) for name in ("mine.sqlite", "other.sqlite"))
+    mine.save("action greet { do right-arm-up for 1s play stand }")
+    path = tmp_path / "greet.rsapien"
+    assert sorted(mine.export_bundle(path, "greet")) == ["greet", "stand"]
+    plan = other.plan_bundle(path)
+    assert plan["added"] == ["greet"] and plan["unchanged"] == ["stand"]
+    assert "greet" not in [action["name"] for action in other.list()]
+    assert other.import_bundle(path)["added"] == ["greet"]
+    other.save("action greet { do left-arm-up for 1s }", replace=True)
+    with pytest.raises(rsapien.RegistryError, match="greet"):
+        other.import_bundle(path)
+    assert other.import_bundle(path, on_conflict="keep-mine")["conflicts"] == ["greet"]
+    assert other.import_bundle(path, on_conflict="rename")["renamed"][0][0] == "greet"
+    with pytest.raises(ValueError, match="take-theirs"):
+        other.import_bundle(path, on_conflict="merge")
+    with pytest.raises(OSError, match="nothing.rsapien"):
+        other.import_bundle(tmp_path / "nothing.rsapien")

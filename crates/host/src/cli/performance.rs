@@ -22,23 +22,22 @@ use crate::{
     Progress, Robot,
 };
 
-/// Plays `action` and tells how it ended; `name` is what it is called, if it has a name.
-pub(crate) fn play(
+/// Has `action` played by `play`, and tells how it ended and what moved.
+pub(crate) fn tell_played(
     context: &Context,
     out: &mut impl Write,
     open: &OpenRobot,
-    motion: &mut MotionController,
-    name: Option<&str>,
+    name: &str,
     action: &CompiledAction,
-    from_label: Option<&str>,
+    play: impl FnOnce() -> Result<PlayReport>,
 ) -> Result<Status> {
     let before = pose(Some(open));
-    let report = run(context, open, motion, action, from_label)?;
+    let report = play()?;
     if open.interrupt.is_raised() {
         return Err(Failure::interrupted());
     }
-    tell(context, out, name, &report)?;
-    tell_moved(context, out, action, from_label, &report, before.zip(pose(Some(open))))?;
+    tell(context, out, Some(name), &report)?;
+    tell_moved(context, out, action, None, &report, before.zip(pose(Some(open))))?;
     let (_, _, status) = outcome(&report.outcome);
     Ok(status)
 }

@@ -381,6 +381,17 @@ class ImportReport(TypedDict):
     replaced: list[str]
     unchanged: list[str]
 
+OnConflict = Literal["refuse", "keep-mine", "take-theirs", "rename"]
+
+class BundlePlan(TypedDict):
+    """What an import of a bundle does."""
+
+    added: list[str]
+    unchanged: list[str]
+    conflicts: list[str]
+    renamed: list[tuple[str, str]]
+    plays_mine: list[tuple[str, list[str]]]
+
 class Registry:
     """RoboRegistry: the motion primitives and actions."""
 
@@ -437,6 +448,18 @@ class Registry:
         """Copies the registry to a new file, while it is in use."""
     def verify(self) -> list[tuple[str, str]]:
         """What is wrong with what is stored, each with advice; empty where all is well."""
+    def export_bundle(self, path: Union[str, PathLike[str]], *names: str) -> list[str]:
+        """Writes one file with these actions and all they play, checks and pictures; the names of all of them."""
+    def import_bundle(
+        self, path: Union[str, PathLike[str]], *, on_conflict: OnConflict = "refuse"
+    ) -> BundlePlan:
+        """Imports a bundle, or nothing; each action is checked and tried here. Nothing is replaced silently:
+        ``on_conflict`` says what happens to actions that are here already and do something else.
+        """
+    def plan_bundle(
+        self, path: Union[str, PathLike[str]], *, on_conflict: OnConflict = "keep-mine"
+    ) -> BundlePlan:
+        """What ``import_bundle`` would do."""
     def remove(self, name: str) -> None: ...
     def history(self, name: str) -> list[VersionSummary]: ...
 

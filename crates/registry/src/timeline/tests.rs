@@ -146,3 +146,19 @@ proptest! {
         prop_assert_eq!(second.steps.len() + added(&back), first.steps.len() + removed(&back));
     }
 }
+
+#[test]
+fn a_bar_shows_in_every_row_where_the_action_is() {
+    let checked = crate::check::check_text(
+        "action a { do right-arm-up for 1s do right-arm-down for 1s }",
+        &crate::NoActions,
+    );
+    let timeline = Timeline::of(checked.actions[0].compiled.as_ref().unwrap());
+    let bars = |now_ms| -> Vec<usize> {
+        let text = timeline.to_text_at(60, false, now_ms);
+        text.lines().filter_map(|line| line.chars().position(|letter| letter == '┃')).collect()
+    };
+    assert!(bars(None).is_empty());
+    let (early, late) = (bars(Some(0)), bars(Some(1_000_000)));
+    assert_eq!((early, late), (vec![11; 7], vec![59; 7]));
+}

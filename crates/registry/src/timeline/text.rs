@@ -10,6 +10,9 @@ const WIDTH_MIN: usize = 40;
 /// The columns of the joints' names.
 const NAMES: usize = 11;
 
+/// Where the action is now.
+const NOW: char = '┃';
+
 /// Colours of a terminal for the two senses.
 const FIRST: &str = "\x1b[34m";
 const LAST: &str = "\x1b[33m";
@@ -20,6 +23,11 @@ impl Timeline {
     /// Seven rows with the motors' senses over time, below a ruler and the labels; `width` columns
     /// wide, at least 40. Ends with a new line.
     pub fn to_text(&self, width: usize, with_colour: bool) -> String {
+        self.to_text_at(width, with_colour, None)
+    }
+
+    /// As [`to_text`](Timeline::to_text), with a bar in every row at `now_ms`, where the action is now.
+    pub fn to_text_at(&self, width: usize, with_colour: bool, now_ms: Option<u64>) -> String {
         let columns = width.max(WIDTH_MIN) - NAMES;
         let mut lines = vec![self.ruler(columns)];
         if !self.labels.is_empty() {
@@ -27,7 +35,10 @@ impl Timeline {
             lines.push(self.above(columns, flags));
         }
         for joint in Joint::ALL {
-            let cells = self.row(joint, columns);
+            let mut cells = self.row(joint, columns);
+            if let Some(now_ms) = now_ms {
+                cells[self.column(now_ms, columns)] = NOW;
+            }
             lines.push(format!("{:<NAMES$}{}", joint.name(), painted(&cells, with_colour)));
         }
         if !self.endings.is_empty() {

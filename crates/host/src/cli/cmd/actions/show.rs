@@ -1,5 +1,7 @@
 //! `rsapien actions show`.
 
+mod beside;
+
 use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
@@ -88,13 +90,19 @@ impl Cmd {
             context.style.answer(out, &answer, format_args!("wrote {}", path.display()))?;
             return Ok(Status::Done);
         }
+        // Played on a terminal, the timeline is drawn with a bar that goes over it.
+        let is_beside = self.play && context.style.error.is_terminal() && !context.style.json;
         if context.style.json {
             json_line(out, &action)?;
         } else {
             let hash = if self.version.is_none() { hash_of(registry, &action.name)? } else { None };
-            tell(context, out, &action, compiled.as_ref().ok(), hash.as_deref())?;
+            tell(context, out, &action, compiled.as_ref().ok(), hash.as_deref(), is_beside)?;
         }
-        if self.play { play(context, out, &action.name, &compiled?) } else { Ok(Status::Done) }
+        if self.play {
+            play(context, out, &action.name, &compiled?, is_beside)
+        } else {
+            Ok(Status::Done)
+        }
     }
 
     fn show_history(
@@ -140,6 +148,7 @@ fn tell(
     action: &Action,
     compiled: Option<&CompiledAction>,
     hash: Option<&str>,
+    is_beside: bool,
 ) -> Result<()> {
     let lasts = compiled.map_or(String::new(), |compiled| {
         let steps = match compiled.steps.len() {
@@ -158,9 +167,10 @@ fn tell(
     for warning in &action.warnings {
         writeln!(out, "warning: {warning}")?;
     }
-    if let Some(compiled) = compiled {
+    writeln!(out)?;
+    if let (Some(compiled), false) = (compiled, is_beside) {
         let with_colour = context.style.output == Screen::Color;
-        writeln!(out, "\n{}", Timeline::of(compiled).to_text(columns(context), with_colour))?;
+        writeln!(out, "{}", Timeline::of(compiled).to_text(columns(context), with_colour))?;
     }
     writeln!(out, "{}", action.text)?;
     Ok(())
@@ -178,16 +188,24 @@ fn columns(context: &Context) -> usize {
     COLUMNS
 }
 
-/// Plays it on a virtual robot of its own.
+/// Plays it on a virtual robot of its own, on a terminal beside its timeline.
 fn play(
     context: &Context,
     out: &mut impl Write,
     name: &str,
     compiled: &CompiledAction,
+    is_beside: bool,
 ) -> Result<Status> {
     let command = format!("actions show {name}");
     let address = crate::LinkAddress::Virtual;
     let open = robot::open_at(context, &address, &command, PaceOptions::default())?;
     let mut motion = open.ready_motion(context, out)?;
-    performance::play(context, out, &open, &mut motion, Some(name), compiled, None)
+    performance::tell_played(context, out, &open, name, compiled, || {
+        if is_beside {
+            let with_colour = context.style.error == Screen::Color;
+            beside::play(&open, &mut motion, compiled, columns(context), with_colour)
+        } else {
+            performance::run(context, &open, &mut motion, compiled, None)
+        }
+    })
 }

@@ -116,12 +116,12 @@ mod tests {
         while let Some((name, mut command)) = waiting.pop() {
             let help = command.render_long_help().to_string();
             let examples = help.split_once("Example").or(help.split_once("First steps:"));
-            // `rsapien record FILE play` has a file between the words of its name.
-            let is_example = |line: &str| {
+            // Arguments of the command above may stand between the words.
+            let is_of_it = |line: &str| {
                 let mut words = line.split_whitespace();
-                name.split(' ').all(|part| words.any(|word| word == part))
+                name.split(' ').all(|word| words.any(|it| it == word))
             };
-            let shows = examples.is_some_and(|(_, examples)| examples.lines().any(is_example));
+            let shows = examples.is_some_and(|(_, examples)| examples.lines().any(is_of_it));
             assert!(shows, "{name} shows no example:\n{help}");
             let below = command.get_subcommands().filter(|below| below.get_name() != "help");
             waiting.extend(below.map(|it| (format!("{name} {}", it.get_name()), it.clone())));

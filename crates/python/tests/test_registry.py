@@ -99,7 +99,7 @@ def test_bundles_go_from_registry_to_registry_and_conflicts_are_told(tmp_path):
     assert sorted(mine.export_bundle(path, "greet")) == ["greet", "stand"]
     plan = other.plan_bundle(path)
     assert plan["added"] == ["greet"] and plan["unchanged"] == ["stand"]
-    assert "greet" not in [action["name"] for action in other.list()]
+    assert "greet" not in [action["name"] for action in other.actions()]
     assert other.import_bundle(path)["added"] == ["greet"]
     other.save("action greet { do left-arm-up for 1s }", replace=True)
     with pytest.raises(rsapien.RegistryError, match="greet"):

@@ -203,7 +203,9 @@ fn play(
     performance::tell_played(context, out, &open, name, compiled, || {
         if is_beside {
             let with_colour = context.style.error == Screen::Color;
-            beside::play(&open, &mut motion, compiled, columns(context), with_colour)
+            // A line as wide as the terminal would wrap.
+            let width = columns(context).saturating_sub(1);
+            beside::play(&open, &mut motion, compiled, width, with_colour)
         } else {
             performance::run(context, &open, &mut motion, compiled, None)
         }

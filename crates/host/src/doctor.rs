@@ -5,8 +5,8 @@
 //!
 //! Each step is a file with one function, named in `CHECKS` in the order in which they run: from the computer (ports,
 //! permission, adapter, other programs) over the line (speed, who answers) to the robot (firmware, resets, supply,
-//! switches) and how well packages go to and fro; last the webcam and the file of the actions, which need no robot. A step that needs what an earlier one did not get is told as not
-//! reached. Files of the system are read below [`DoctorOptions::system_root`], so that a test brings its own.
+//! switches) and how well packages go to and fro; last the webcam and the file of the actions, which need no robot. A
+//! step that needs what an earlier one did not get is told as not reached. Files of the system are read below [`DoctorOptions::system_root`], so that a test brings its own.
 
 mod controllers;
 mod device;
@@ -25,6 +25,7 @@ mod registry;
 mod resets;
 mod sensors;
 mod speed;
+#[cfg(unix)]
 #[cfg(unix)]
 mod webcam;
 
@@ -108,6 +109,7 @@ const CHECKS: &[Check] = &[
     Check { name: resets::NAME, needs: Needs::Robot, run: resets::check },
     Check { name: sensors::NAME, needs: Needs::Robot, run: sensors::check },
     Check { name: quality::NAME, needs: Needs::Robot, run: quality::check },
+    #[cfg(unix)]
     #[cfg(unix)]
     Check { name: webcam::NAME, needs: Needs::Nothing, run: webcam::check },
     #[cfg(feature = "registry")]

@@ -13,8 +13,9 @@ use crate::LinkAddress;
 pub(super) const NAME: &str = "webcam";
 
 pub(super) fn check(case: &mut Case<'_>) {
-    // The virtual robot has a camera of its own.
     if *case.address == LinkAddress::Virtual {
+        let found = "the virtual robot has a camera of its own: rsapien --link virtual snapshot";
+        case.tell(Finding::good(NAME, "virtual-camera", found));
         return;
     }
     let names = devices(&case.machine);

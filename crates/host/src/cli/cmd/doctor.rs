@@ -19,9 +19,9 @@ use crate::{LinkAddress, data};
 /// Find out what is wrong between this computer and the robot
 ///
 /// Looks at ports, permission, adapter, other programs, line speed, firmware, resets, supply, switches, the errors of a
-/// second of packages, webcams and the file of the actions, and ends with one verdict and the next step. Nothing is moved: HELLO, STATE and COUNTERS are all
-/// that is sent. A line that another rsapien holds is left alone. The exit status is 0 for a healthy robot and 1 when
-/// something is to be mended, also when there is no robot.
+/// second of packages, webcams and the file of the actions, and ends with one verdict and the next step. Nothing is
+/// moved: HELLO, STATE and COUNTERS are all that is sent. A line that another rsapien holds is left alone. The exit
+/// status is 0 for a healthy robot and 1 when something is to be mended, also when there is no robot.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

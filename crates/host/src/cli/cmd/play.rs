@@ -75,7 +75,15 @@ impl Cmd {
             mirrored: self.mirrored,
             arguments,
         };
-        let compiled = self.registry.open(context)?.compile(&self.action, &options)?;
+        let compiled = self.registry.open(context)?.compile(&self.action, &options);
+        let compiled = compiled.map_err(|error| {
+            let failure = Failure::from(error);
+            if self.arguments.is_empty() {
+                return failure;
+            }
+            // What is wrong may be what was given here, not what is written there.
+            failure.hint(format!("its parameters were given: {}", self.arguments.join(" ")))
+        })?;
         let mut floor = Floor::take(context, out, &format!("play {}", self.action), self.pace)?;
         let (policy, name) = (self.policy.into(), Some(self.action.as_str()));
         let from = self.from.as_deref();

@@ -151,3 +151,15 @@ fn the_latency_budget_is_told_share_by_share() {
     }
     assert!(of("total", "worst_ms") >= of("pc", "worst_ms"), "{told}");
 }
+
+#[test]
+fn a_program_is_told_how_far_an_action_is() {
+    let user = User::new();
+    let play = ["--link", "virtual", "--json", "play", "wave", "--fast", "--progress"];
+    let lines = user.expect(0, &play).json_lines();
+    let (answer, told) = lines.split_last().unwrap();
+    assert_eq!(answer["outcome"], "done");
+    let steps: Vec<u64> = told.iter().map(|it| it["steps_ended"].as_u64().unwrap()).collect();
+    assert!(steps.is_sorted() && steps[0] == 0 && steps.last() == Some(&6), "{steps:?}");
+    assert!(told.iter().all(|it| it["progress"] == "playing" && it["action"] == "wave"));
+}

@@ -1,8 +1,8 @@
 //! `Guest`: a robot whose line another program holds.
 
 use crate::errors::robot_error;
-use crate::registry::{Arguments, NameOrText, PyRegistry, values};
-use crate::robot::{PyOutcome, admission_told, policy_of};
+use crate::outcome::{PyOutcome, admission_told, policy_of};
+use crate::registry::{Arguments, NameOrText, PyRegistry, compiled, values};
 use crate::waiting::{self, Listeners, ProgressTold};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -74,10 +74,7 @@ impl PyGuest {
         let policy = policy_of(policy)?;
         let arguments = values(py, arguments)?;
         let options = CompileOptions { times, speed, mirrored, arguments };
-        let compiled = match registry {
-            Some(registry) => registry.compile(&action, &options)?,
-            None => PyRegistry::in_memory()?.compile(&action, &options)?,
-        };
+        let compiled = compiled(registry, &action, &options)?;
         let listeners = Listeners { on_progress, on_admission };
         let token = CancelToken::new();
         let report = waiting::run(py, &token, &|| token.cancel(), &listeners, |told| {

@@ -7,6 +7,7 @@ mod ellipse;
 mod errors;
 mod finding;
 mod guest;
+mod outcome;
 mod picture;
 mod pose;
 mod recording;
@@ -43,7 +44,7 @@ fn _rsapien(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<recording::PyRecording>()?;
     module.add_class::<recording::PyFrames>()?;
     module.add_class::<recording::PyRecorder>()?;
-    module.add_class::<robot::PyOutcome>()?;
+    module.add_class::<outcome::PyOutcome>()?;
     module.add_class::<robot::PyRobot>()?;
     module.add_function(wrap_pyfunction!(detect::detect, module)?)?;
     module.add_function(wrap_pyfunction!(run_command, module)?)?;

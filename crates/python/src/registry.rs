@@ -334,6 +334,18 @@ impl PyRegistry {
 }
 
 /// How the actions of a text went on the virtual body, where nothing is wrong with them.
+/// An action of a registry; without one, of those that come with the robot.
+pub(crate) fn compiled(
+    registry: Option<&PyRegistry>,
+    action: &NameOrText,
+    options: &CompileOptions,
+) -> PyResult<CompiledAction> {
+    match registry {
+        Some(registry) => registry.compile(action, options),
+        None => PyRegistry::in_memory()?.compile(action, options),
+    }
+}
+
 pub(crate) fn try_all(registry: &Registry, text: &str) -> PyResult<Trials> {
     let checked = registry.check_text(text).map_err(registry_error)?;
     let mut trials = Trials::new();

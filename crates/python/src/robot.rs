@@ -1,8 +1,9 @@
 //! `Robot`: the robot from Python.
 
 use crate::errors::{robot_error, value_error};
+use crate::outcome::{PyOutcome, admission_told, policy_of};
 use crate::recording::{PyRecorder, RecorderSlot};
-use crate::registry::{Arguments, NameOrText, PyRegistry, values};
+use crate::registry::{Arguments, NameOrText, PyRegistry, compiled, values};
 use crate::state::state_dict;
 use crate::waiting::{self, Listeners, ProgressTold};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
@@ -14,9 +15,8 @@ use rsapien::recording::About;
 use rsapien::sharing::Desk;
 use rsapien::sim::world::World;
 use rsapien::{
-    Admission, CameraController, CancelToken, Error, LinkAddress, Outcome, PauseSwitch,
-    PlayOptions, PlayReport, Policy, Robot, RobotOptions, SensorsController, Stage, StopHandle,
-    Terms,
+    CameraController, CancelToken, Error, LinkAddress, PauseSwitch, PlayOptions, Policy, Robot,
+    RobotOptions, SensorsController, Stage, StopHandle, Terms,
 };
 use rsapien_registry::{CompileOptions, CompiledAction, Statement};
 use std::path::PathBuf;
@@ -181,25 +181,6 @@ impl PyRobot {
     }
 }
 
-/// What becomes of an action, as a word and in words.
-pub(crate) fn admission_told(admission: &Admission) -> ProgressTold {
-    let word = match admission {
-        Admission::Begins => "begins",
-        Admission::Waits { .. } => "waits",
-        Admission::Replaces { .. } => "replaces",
-        Admission::Beside { .. } => "beside",
-    };
-    ProgressTold::Admission(word, admission.to_string())
-}
-
-/// The policy of a word.
-pub(crate) fn policy_of(word: &str) -> PyResult<Policy> {
-    Policy::from_name(word).ok_or_else(|| {
-        let names = Policy::ALL.map(Policy::name).join(", ");
-        value_error(format!("policy: {word:?} is none of {names}"))
-    })
-}
-
 #[pymethods]
 impl PyRobot {
     #[staticmethod]
@@ -289,10 +270,7 @@ impl PyRobot {
         let policy = policy_of(policy)?;
         let arguments = values(py, arguments)?;
         let options = CompileOptions { times, speed, mirrored, arguments };
-        let compiled = match registry {
-            Some(registry) => registry.compile(&action, &options)?,
-            None => PyRegistry::in_memory()?.compile(&action, &options)?,
-        };
+        let compiled = compiled(registry, &action, &options)?;
         let listeners = Listeners { on_progress, on_admission };
         self.perform(py, &compiled, policy, from_label, &listeners)
     }
@@ -389,66 +367,6 @@ impl PyRobot {
         let open = self.open.try_lock();
         let closed = matches!(open.as_deref(), Ok(None));
         format!("Robot({:?}{})", self.link, if closed { ", closed" } else { "" })
-    }
-}
-
-/// How an action ended.
-#[pyclass(name = "Outcome", module = "rsapien", frozen)]
-pub(crate) struct PyOutcome {
-    pub(crate) report: PlayReport,
-}
-
-#[pymethods]
-impl PyOutcome {
-    #[getter]
-    fn kind(&self) -> &'static str {
-        match self.report.outcome {
-            Outcome::Done => "done",
-            Outcome::Refused { .. } => "refused",
-            Outcome::Interrupted { .. } => "interrupted",
-            Outcome::Unknown { .. } => "unknown",
-        }
-    }
-
-    #[getter]
-    fn text(&self) -> String {
-        self.report.to_string()
-    }
-
-    #[getter]
-    fn steps_ended(&self) -> usize {
-        self.report.steps_ended
-    }
-
-    #[getter]
-    fn steps_total(&self) -> usize {
-        self.report.steps_total
-    }
-
-    #[getter]
-    fn elapsed_ms(&self) -> u64 {
-        self.report.elapsed_ms
-    }
-
-    /// Action and number of the step that was under way when it ended early.
-    #[getter]
-    fn reached(&self) -> Option<(String, usize)> {
-        let reached = self.report.reached.as_ref()?;
-        Some((reached.source.action.to_string(), reached.source.step))
-    }
-
-    /// How what was played instead of the rest ended.
-    #[getter]
-    fn instead(&self) -> Option<PyOutcome> {
-        self.report.instead.as_ref().map(|report| PyOutcome { report: (**report).clone() })
-    }
-
-    fn __bool__(&self) -> bool {
-        self.report.outcome.is_done()
-    }
-
-    fn __repr__(&self) -> String {
-        format!("Outcome({})", self.report)
     }
 }
 

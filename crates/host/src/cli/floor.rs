@@ -20,6 +20,10 @@ pub(crate) struct PolicyOptions {
     /// What happens when the robot is already playing something, for this program or another
     #[arg(long, value_name = "POLICY", value_enum, default_value_t)]
     policy: PolicyWord,
+
+    /// With --json: tell how far it is, too, in a line whenever that changes
+    #[arg(long)]
+    pub(crate) progress: bool,
 }
 
 /// A policy as a word of the command line.

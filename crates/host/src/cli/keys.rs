@@ -11,6 +11,8 @@ use rustix::termios::{
     LocalModes, OptionalActions, SpecialCodeIndex, Termios, tcgetattr, tcsetattr,
 };
 
+use super::signal;
+
 /// How the terminal was before its keys were listened to.
 static BEFORE: Mutex<Option<Termios>> = Mutex::new(None);
 /// How often the listener looks whether it is to end, in ns.
@@ -39,6 +41,7 @@ impl Keys {
         raw.special_codes[SpecialCodeIndex::VMIN] = 0;
         raw.special_codes[SpecialCodeIndex::VTIME] = 0;
         *BEFORE.lock().unwrap_or_else(PoisonError::into_inner) = Some(before);
+        signal::before_exit(restore);
         if tcsetattr(terminal, OptionalActions::Now, &raw).is_err() {
             restore();
             return None;
@@ -66,8 +69,8 @@ impl Drop for Keys {
     }
 }
 
-/// Makes the terminal as it was; also before the process ends by itself.
-pub(crate) fn restore() {
+/// Makes the terminal as it was.
+fn restore() {
     if let Some(before) = BEFORE.lock().unwrap_or_else(PoisonError::into_inner).take() {
         // A terminal that is gone needs no restoring.
         let _ = tcsetattr(stdin(), OptionalActions::Now, &before);

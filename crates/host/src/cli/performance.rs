@@ -11,15 +11,15 @@ use rsapien_sim::geometry::RobotPose;
 use super::context::Context;
 use super::diagnostics::{Failure, Result};
 use super::exit::Status;
-use super::floor::{self, Floor};
+use super::floor::{self, Floor, PolicyOptions};
 #[cfg(unix)]
 use super::keys::Keys;
+use super::output::json_line;
 use super::progress;
 use super::robot::OpenRobot;
 use super::view;
 use crate::{
-    Interruption, MotionController, Outcome, PauseSwitch, PlayOptions, PlayReport, Policy,
-    Progress, Robot,
+    Interruption, MotionController, Outcome, PauseSwitch, PlayOptions, PlayReport, Progress, Robot,
 };
 
 /// Has `action` played by `play`, and tells how it ended and what moved.
@@ -47,7 +47,7 @@ pub(crate) fn play_on(
     context: &Context,
     out: &mut impl Write,
     floor: &mut Floor,
-    policy: Policy,
+    options: PolicyOptions,
     name: Option<&str>,
     action: &CompiledAction,
     from_label: Option<&str>,
@@ -57,7 +57,7 @@ pub(crate) fn play_on(
         let (link, holder) = (guest.link_name(), guest.holder());
         context.style.remark(out, format!("{link} is held by {holder}; it plays for others"))?;
     }
-    let report = run_on(context, out, floor, policy, name, action, from_label)?;
+    let report = run_on(context, out, floor, options, name, action, from_label)?;
     if floor.interrupt().is_raised() {
         return Err(Failure::interrupted());
     }
@@ -73,7 +73,7 @@ fn run_on(
     context: &Context,
     out: &mut impl Write,
     floor: &mut Floor,
-    policy: Policy,
+    options: PolicyOptions,
     name: Option<&str>,
     action: &CompiledAction,
     from_label: Option<&str>,
@@ -86,6 +86,8 @@ fn run_on(
     let robot = floor.own().map(|open| open.robot.clone());
     let now_ms = || robot.as_ref().map_or(0, Robot::now_ms);
     let mut recorded = context.recording.as_ref().map(|it| it.begin(now_ms(), action));
+    let streams = options.progress && context.style.json;
+    let policy = options.into();
     let mut options = PlayOptions {
         cancel: floor.cancel().clone(),
         pause: Some(pause),
@@ -94,6 +96,11 @@ fn run_on(
             bar.set_length(progress.total_ms);
             bar.set_position(progress.elapsed_ms);
             bar.set_message(format!("{}{help}", where_it_is(action, progress)));
+            if streams {
+                // A reader that is gone is found out by the answer at the end.
+                let line = json_of_progress(action, progress);
+                let _ = json_line(&mut std::io::stdout(), &line);
+            }
             if let Some(recorded) = &mut recorded {
                 recorded.step(now_ms(), action, progress);
             }
@@ -168,6 +175,23 @@ fn tell_moved(
     let played = action.steps.iter().skip(from).take(report.steps_accepted);
     let played: Vec<Step> = played.copied().collect();
     context.style.remark(out, what_moved(&played, &before, &after))
+}
+
+/// How far an action is, for programs.
+fn json_of_progress(action: &CompiledAction, progress: &Progress) -> serde_json::Value {
+    let instead = progress.handler.and_then(|index| action.handlers.get(index));
+    let label = progress.label.and_then(|index| instead.unwrap_or(action).labels.get(index));
+    serde_json::json!({
+        "progress": if progress.is_paused { "paused" } else { "playing" },
+        "action": action.name,
+        "instead": instead.map(|instead| &instead.name),
+        "steps_ended": progress.steps_ended,
+        "steps_total": progress.steps_total,
+        "elapsed_ms": progress.elapsed_ms,
+        "total_ms": progress.total_ms,
+        "label": label.map(|label| &*label.name),
+        "waiting_for": progress.waiting_for.names().collect::<Vec<_>>(),
+    })
 }
 
 /// A report for programs.

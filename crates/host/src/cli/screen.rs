@@ -19,6 +19,7 @@ use self::driver::Driver;
 use super::context::Context;
 use super::diagnostics::{Failure, Result};
 use super::robot::OpenRobot;
+use super::signal;
 use crate::{Claim, Progress, RobotState};
 
 /// How often the screen is drawn where no key is pressed.
@@ -79,7 +80,7 @@ pub(crate) trait Model {
 static IS_OPEN: AtomicBool = AtomicBool::new(false);
 
 /// Makes the terminal as it was, if it is a screen.
-pub(crate) fn restore() {
+fn restore() {
     if IS_OPEN.swap(false, Ordering::SeqCst) {
         ratatui::restore();
     }
@@ -110,6 +111,7 @@ pub(crate) fn run(open: &OpenRobot, registry: &Registry, model: &mut impl Model)
     let sensors = open.done(open.robot.sensors())?;
     let mut terminal = ratatui::try_init()?;
     IS_OPEN.store(true, Ordering::SeqCst);
+    signal::before_exit(restore);
     let restored = Restored;
     let mut is_left = false;
     while !is_left && !open.interrupt.is_raised() {

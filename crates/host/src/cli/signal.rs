@@ -23,6 +23,14 @@ static SHARED: Shared = Shared {
 };
 static INSTALLED: OnceLock<std::result::Result<(), String>> = OnceLock::new();
 
+/// What makes the terminal as it was, before a second Ctrl-C ends the process.
+static BEFORE_EXIT: Mutex<Vec<fn()>> = Mutex::new(Vec::new());
+
+/// Has `restore` called before a second Ctrl-C ends the process. It does nothing where there is nothing to restore.
+pub(crate) fn before_exit(restore: fn()) {
+    BEFORE_EXIT.lock().unwrap_or_else(PoisonError::into_inner).push(restore);
+}
+
 /// How often a wait looks whether it is over.
 const LOOK_MS: u64 = 20;
 
@@ -98,9 +106,9 @@ impl Interrupt {
 /// Runs on a thread of its own, never in a signal's context.
 fn on_signal() {
     if SHARED.raised.swap(true, Ordering::SeqCst) {
-        #[cfg(unix)]
-        super::keys::restore();
-        super::screen::restore();
+        for restore in BEFORE_EXIT.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+            restore();
+        }
         std::process::exit(i32::from(Status::Interrupted.code()));
     }
     if let Some(stop) = SHARED.stop().take() {

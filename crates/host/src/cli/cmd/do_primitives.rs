@@ -49,7 +49,7 @@ impl Cmd {
         let compiled = compile(&draft, &NoActions, &CompileOptions::default())
             .map_err(|finding| refused(&finding))?;
         let mut floor = Floor::take(context, out, "do", self.pace)?;
-        performance::play_on(context, out, &mut floor, self.policy.into(), None, &compiled, None)
+        performance::play_on(context, out, &mut floor, self.policy, None, &compiled, None)
     }
 }
 

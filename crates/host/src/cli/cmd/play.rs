@@ -85,7 +85,7 @@ impl Cmd {
             failure.hint(format!("its parameters were given: {}", self.arguments.join(" ")))
         })?;
         let mut floor = Floor::take(context, out, &format!("play {}", self.action), self.pace)?;
-        let (policy, name) = (self.policy.into(), Some(self.action.as_str()));
+        let (policy, name) = (self.policy, Some(self.action.as_str()));
         let from = self.from.as_deref();
         performance::play_on(context, out, &mut floor, policy, name, &compiled, from)
     }

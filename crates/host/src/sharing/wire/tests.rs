@@ -1,5 +1,8 @@
+use super::report::OutcomeTold;
 use super::*;
-use rsapien_protocol::{Mode, Position};
+use crate::player::StepReached;
+use crate::{Interruption, Outcome, PlayReport};
+use rsapien_protocol::{Mode, MotionReport, Position, Status, StopCause};
 use rsapien_registry::NoActions;
 use rsapien_registry::check::check_text;
 

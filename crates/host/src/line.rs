@@ -133,6 +133,11 @@ impl Line {
         }
     }
 
+    /// Whether time passes only while somebody waits on the line.
+    pub(crate) fn has_virtual_clock(&self) -> bool {
+        self.clock.is_none()
+    }
+
     pub(crate) fn state(&self) -> RobotState {
         self.shared.state().clone()
     }

@@ -1,6 +1,6 @@
 //! The stage's thread: plays what is on the stage, as one row of slices.
 
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{Sender, SyncSender, sync_channel};
 
 use rsapien_protocol::{BumperMask, MotionReport, Step};
 
@@ -35,7 +35,8 @@ pub(super) struct Stream {
 
 /// What a performer is told of its steps.
 pub(super) enum Event {
-    Progress(Progress),
+    /// How far they are; where it is there, the sender is used when that has been heard.
+    Progress(Progress, Option<SyncSender<()>>),
     End(Result<StreamEnd, Error>),
 }
 
@@ -86,10 +87,31 @@ struct Conductor<'a> {
     queue_ends_ms: u64,
 }
 
+/// What a performer is to be told of its progress, when nothing is locked any more.
+type Telling = (Sender<Event>, Progress);
+
+impl Conductor<'_> {
+    /// Tells performers how far they are. With a virtual clock it waits until they have heard it, so that a run is the
+    /// same each time; with a real one, whoever is slow to hear must not keep the robot waiting.
+    fn tell(&self, tellings: Vec<Telling>) {
+        let is_awaited = self.inner.robot.line.has_virtual_clock();
+        for (events, progress) in tellings {
+            let (heard, waiting) = sync_channel(1);
+            // A performer that does not listen any more is gone.
+            let is_there =
+                events.send(Event::Progress(progress, is_awaited.then_some(heard))).is_ok();
+            if is_there && is_awaited {
+                let _ = waiting.recv();
+            }
+        }
+    }
+}
+
 impl Source for Conductor<'_> {
     fn next(&mut self, seen: &Seen) -> Option<Step> {
+        let tellings = self.inner.state().pauses(seen);
+        self.tell(tellings);
         let mut state = self.inner.state();
-        state.tell_pauses(seen);
         let is_ahead = seen.accepted >= seen.ended + 2 && state.merge.queued_ms() >= AHEAD_MS;
         if is_ahead || !seen.has_room() {
             return None;
@@ -124,11 +146,13 @@ impl Source for Conductor<'_> {
     fn told(&mut self, seen: &Seen) {
         let newly_ended = seen.ended.saturating_sub(self.ended);
         self.ended = seen.ended;
-        let mut state = self.inner.state();
-        for id in state.merge.end(newly_ended) {
-            state.tell_progress(id, seen.now_ms, false);
-        }
-        state.end_those_done(seen);
+        let tellings = {
+            let mut state = self.inner.state();
+            let of = state.merge.end(newly_ended);
+            of.into_iter().filter_map(|id| state.progress(id, seen.now_ms, false)).collect()
+        };
+        self.tell(tellings);
+        self.inner.state().end_those_done(seen);
     }
 
     fn is_over(&self, _seen: &Seen) -> bool {
@@ -188,8 +212,8 @@ impl State {
         cancelled.or_else(|| self.ended_by(stream.performer))
     }
 
-    /// Tells those of a pause who stand.
-    fn tell_pauses(&mut self, seen: &Seen) {
+    /// What those are told who stand for a pause.
+    fn pauses(&mut self, seen: &Seen) -> Vec<Telling> {
         let State { merge, streams, .. } = self;
         let mut standing = Vec::new();
         for stream in streams.iter_mut() {
@@ -201,15 +225,12 @@ impl State {
                 standing.push(stream.id);
             }
         }
-        for id in standing {
-            self.tell_progress(id, seen.now_ms, true);
-        }
+        standing.into_iter().filter_map(|id| self.progress(id, seen.now_ms, true)).collect()
     }
 
-    fn tell_progress(&self, id: u64, now_ms: u64, is_paused: bool) {
-        let part = self.merge.parts.iter().find(|part| part.id == id);
-        let stream = self.streams.iter().find(|stream| stream.id == id);
-        let (Some(part), Some(stream)) = (part, stream) else { return };
+    fn progress(&self, id: u64, now_ms: u64, is_paused: bool) -> Option<Telling> {
+        let part = self.merge.parts.iter().find(|part| part.id == id)?;
+        let stream = self.streams.iter().find(|stream| stream.id == id)?;
         let progress = Progress {
             steps_ended: part.ended,
             steps_total: part.steps.len(),
@@ -220,8 +241,7 @@ impl State {
             is_paused,
             handler: None,
         };
-        // A performer that does not listen any more is gone.
-        let _ = stream.events.send(Event::Progress(progress));
+        Some((stream.events.clone(), progress))
     }
 
     fn end_those_done(&mut self, seen: &Seen) {

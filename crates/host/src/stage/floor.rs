@@ -33,6 +33,21 @@ impl Floor for StageFloor<'_> {
         let (events, told) = channel();
         let begun_ms = self.line().now_ms();
         let total_ms = duration_ms(steps);
+        let mut tell = |progress: &Progress| {
+            if let Some(on_progress) = options.on_progress.as_mut() {
+                on_progress(progress);
+            }
+        };
+        tell(&Progress {
+            steps_ended: 0,
+            steps_total: steps.len(),
+            elapsed_ms: 0,
+            total_ms,
+            label: None,
+            waiting_for: BumperMask::NONE,
+            is_paused: false,
+            handler: None,
+        });
         {
             let own_stops = *self.inner.own_stops();
             let mut state = self.inner.state();
@@ -61,24 +76,15 @@ impl Floor for StageFloor<'_> {
             });
             self.inner.changed.notify_all();
         }
-        let mut tell = |progress: &Progress| {
-            if let Some(on_progress) = options.on_progress.as_mut() {
-                on_progress(progress);
-            }
-        };
-        tell(&Progress {
-            steps_ended: 0,
-            steps_total: steps.len(),
-            elapsed_ms: 0,
-            total_ms,
-            label: None,
-            waiting_for: BumperMask::NONE,
-            is_paused: false,
-            handler: None,
-        });
         loop {
             match told.recv() {
-                Ok(Event::Progress(progress)) => tell(&progress),
+                Ok(Event::Progress(progress, heard)) => {
+                    tell(&progress);
+                    if let Some(heard) = heard {
+                        // Its conductor waits for it.
+                        let _ = heard.send(());
+                    }
+                }
                 Ok(Event::End(end)) => {
                     let elapsed_ms = self.line().now_ms().saturating_sub(begun_ms);
                     return end.map(|end| report(end, steps.len(), elapsed_ms));

@@ -7,7 +7,7 @@ use rsapien::link::virtual_robot::{Pace, SharedVirtualRobot, VirtualOptions};
 use rsapien::protocol::Parameter;
 use rsapien::registry::{CompileOptions, CompiledAction, Registry};
 use rsapien::sim::world::World;
-use rsapien::{Interruption, Outcome, PlayOptions, PlayReport, Robot, RobotOptions};
+use rsapien::{Interruption, Outcome, PlayOptions, PlayReport, Robot, RobotOptions, Stage, Terms};
 
 /// When the cable is pulled, in shares of the action's length.
 const MOMENTS: [f64; 3] = [0.1, 0.5, 0.9];
@@ -20,9 +20,9 @@ fn are_motors_off(robot: &SharedVirtualRobot) -> bool {
     pins.towards_first == 0 && pins.towards_last == 0
 }
 
-/// Plays an action whose cable is pulled after `pulled_at_ms`; tells the report, and how long after that motors
-/// still ran.
-fn play(action: &CompiledAction, pulled_at_ms: u64) -> (PlayReport, u64) {
+/// Plays an action whose cable is pulled after `pulled_at_ms`, by the motion controller alone or on a stage that
+/// others share; tells the report, and how long after that motors still ran.
+fn play(action: &CompiledAction, pulled_at_ms: u64, is_on_stage: bool) -> (PlayReport, u64) {
     let mut options = RobotOptions::new("cable");
     options.virtual_robot = VirtualOptions { pace: Pace::Fast, ..VirtualOptions::default() };
     options.virtual_robot.config.world = World::empty();
@@ -59,7 +59,13 @@ fn play(action: &CompiledAction, pulled_at_ms: u64) -> (PlayReport, u64) {
         wait_for_rest: false,
         ..PlayOptions::default()
     };
-    let report = motion.perform(action, &mut play).unwrap();
+    let report = if is_on_stage {
+        let stage = Stage::new(motion).unwrap();
+        stage.share();
+        stage.play(action, &Terms::default(), &mut play, &mut |_| {}).unwrap()
+    } else {
+        motion.perform(action, &mut play).unwrap()
+    };
     drop(play);
     assert!(are_motors_off(&shared));
     (report, ran_ms.expect("the cable was pulled"))
@@ -74,15 +80,16 @@ fn a_pulled_cable_ends_every_action_of_the_library_and_is_told() {
     let mut pulled = 0;
     for summary in list {
         let action = registry.compile(&summary.name, &CompileOptions::default()).unwrap();
-        for share in MOMENTS {
+        for (share, is_on_stage) in MOMENTS.into_iter().flat_map(|it| [(it, false), (it, true)]) {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "seconds")]
             #[expect(clippy::cast_precision_loss, reason = "seconds")]
             let wanted_ms = (action.duration_ms as f64 * share) as u64;
             // Progress is told at the ends of steps; one with a single step is pulled at its beginning.
             let last_begin_ms =
                 action.duration_ms - u64::from(action.steps.last().unwrap().duration_ms);
-            let (report, ran_ms) = play(&action, wanted_ms.min(last_begin_ms));
-            let name = format!("{} at {wanted_ms} ms", summary.name);
+            let (report, ran_ms) = play(&action, wanted_ms.min(last_begin_ms), is_on_stage);
+            let where_played = if is_on_stage { "on a stage" } else { "alone" };
+            let name = format!("{} {where_played} at {wanted_ms} ms", summary.name);
             assert!(ran_ms <= dead_man_ms + SLACK_MS, "{name}: motors ran for {ran_ms} ms");
             match &report.outcome {
                 Outcome::Interrupted { by: Interruption::LinkLost } => {}

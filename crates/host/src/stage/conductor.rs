@@ -31,6 +31,8 @@ pub(super) struct Stream {
     pub(super) before: Option<MotionReport>,
     pub(super) pauses: usize,
     pub(super) was_paused: bool,
+    /// Whether it was told that it begins.
+    pub(super) has_begun: bool,
 }
 
 /// What a performer is told of its steps.
@@ -148,7 +150,15 @@ impl Source for Conductor<'_> {
         self.ended = seen.ended;
         let tellings = {
             let mut state = self.inner.state();
-            let of = state.merge.end(newly_ended);
+            let ended = state.merge.end(newly_ended);
+            let begun = state.streams.iter_mut().filter(|stream| !stream.has_begun);
+            let mut of: Vec<u64> = begun
+                .map(|stream| {
+                    stream.has_begun = true;
+                    stream.id
+                })
+                .collect();
+            of.extend(ended);
             of.into_iter().filter_map(|id| state.progress(id, seen.now_ms, false)).collect()
         };
         self.tell(tellings);

@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::channel;
 
-use rsapien_protocol::{BumperMask, Mode, Step};
+use rsapien_protocol::{Mode, Step};
 
 use super::Inner;
 use super::conductor::{Event, Stream, StreamEnd};
@@ -38,16 +38,6 @@ impl Floor for StageFloor<'_> {
                 on_progress(progress);
             }
         };
-        tell(&Progress {
-            steps_ended: 0,
-            steps_total: steps.len(),
-            elapsed_ms: 0,
-            total_ms,
-            label: None,
-            waiting_for: BumperMask::NONE,
-            is_paused: false,
-            handler: None,
-        });
         {
             let own_stops = *self.inner.own_stops();
             let mut state = self.inner.state();
@@ -73,6 +63,7 @@ impl Floor for StageFloor<'_> {
                 before: None,
                 pauses: 0,
                 was_paused: false,
+                has_begun: false,
             });
             self.inner.changed.notify_all();
         }

@@ -329,3 +329,24 @@ fn a_first_step_that_replaces_the_queue_pre_empts_what_runs() {
     assert!(report.outcome.is_done() && report.elapsed_ms < 3000, "{report}");
     assert_eq!(lock(&shared).motion_report().queue_free, 32);
 }
+
+#[test]
+fn stop_is_sent_again_until_it_arrives_with_a_camera_to_stop_as_well() {
+    let (robot, shared, mut motion) = open_initialised();
+    assert!(robot.camera().is_ok(), "the line knows of the camera controller");
+    let faults = LineFaults { lost_ppm: 6_000, ..LineFaults::NONE };
+    for round in 0..20 {
+        motion.step(arms(1, 5000).remove(0)).unwrap();
+        for direction in [Direction::ToRobot, Direction::ToPc] {
+            lock(&shared).set_line_faults(direction, faults);
+        }
+        let stopped = robot.stop();
+        assert!(stopped.is_ok(), "round {round}: {stopped:?}");
+        assert!(motors_are_off(&shared));
+        for direction in [Direction::ToRobot, Direction::ToPc] {
+            lock(&shared).set_line_faults(direction, LineFaults::NONE);
+        }
+    }
+    let counts = robot.sensors().unwrap().state().counts;
+    assert!(counts.resent > 5, "the line was too good to show anything: {counts:?}");
+}
